@@ -274,7 +274,7 @@ awaitable<void> Daemon::load_again(Daemon& daemon) {
   if (std::exchange(daemon.is_loading_, true)) co_return;
   while (std::exchange(daemon.loads_once_more_, false)) {
     auto config = co_await daemon.gateway_->planner.plan(daemon.load_);
-    Reloaded reloaded;
+    tl::expected<std::string, std::vector<std::string>> reloaded;
     if (config) {
       reloaded = co_await reload(daemon, std::move(*config));
     } else {
@@ -303,7 +303,8 @@ std::string takes_a_restart(const DaemonConfig& now, const DaemonConfig& next) {
 
 }  // namespace
 
-awaitable<Daemon::Reloaded> Daemon::reload(Daemon& daemon, Config config) {
+awaitable<tl::expected<std::string, std::vector<std::string>>> Daemon::reload(Daemon& daemon,
+                                                                              Config config) {
   auto what = takes_a_restart(daemon.config_, config.daemon);
   if (what.empty() && config.others != daemon.other_sections_)
     what = "a section that is not of a bus, a module, an axis or access";

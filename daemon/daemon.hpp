@@ -28,7 +28,6 @@ class Daemon {
   /// The configuration as it is now; errors: lines for a person. May block.
   using LoadAgain = std::function<tl::expected<Config, std::vector<std::string>>()>;
   /// What has become of it, in a line; errors: a sentence, and all is as it was.
-  using Reloaded = tl::expected<std::string, std::vector<std::string>>;
 
   /// Claims the socket, or takes that of the service, and opens the ports. The context must outlive
   /// it. Errors: a sentence for a person, with what to try.
@@ -60,7 +59,8 @@ class Daemon {
   /// SIGHUP has the audit file opened again, and the configuration taken over as it is then.
   void end_on_signals(LoadAgain load = {});
   /// All of it, or nothing: see gateway/reload.hpp.
-  static boost::asio::awaitable<Reloaded> reload(Daemon& daemon, Config config);
+  static boost::asio::awaitable<tl::expected<std::string, std::vector<std::string>>> reload(
+      Daemon& daemon, Config config);
   bool has_ended() const { return has_ended_; }
 
   Gateway& gateway() { return *gateway_; }

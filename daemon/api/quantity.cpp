@@ -87,11 +87,10 @@ Task<AxisUnits> units_for(GatewayAxis& axis, std::string_view param, const Quant
 }
 
 template <class Value>
-using InPulses = tmcl::Result<Value> (*)(const Quantity&, const AxisUnits&);
-
-template <class Value>
 Task<ParsedRate<Value>> rate_of(GatewayAxis& axis, RawOrQuantity either, Dimension dimension,
-                                const char* plain_unit, InPulses<Value> in_pulses) {
+                                const char* plain_unit,
+                                tmcl::Result<Value> (*in_pulses)(const Quantity&,
+                                                                 const AxisUnits&)) {
   auto rate_said = co_await must(parse_amount(either, axis, dimension, plain_unit));
   auto& [param, said] = rate_said;
   if (!(said.number > 0)) {
@@ -109,7 +108,8 @@ Task<ParsedRate<Value>> rate_of(GatewayAxis& axis, RawOrQuantity either, Dimensi
 template <class Value>
 Task<std::optional<Value>> limit_of(GatewayAxis& axis, RawOrQuantity either, Dimension dimension,
                                     const char* plain_unit, std::uint8_t parameter,
-                                    InPulses<Value> in_pulses) {
+                                    tmcl::Result<Value> (*in_pulses)(const Quantity&,
+                                                                     const AxisUnits&)) {
   if (!either.plain && !either.amount) co_return std::nullopt;
   const auto limit =
       co_await must(rate_of(axis, std::move(either), dimension, plain_unit, in_pulses));

@@ -11,15 +11,13 @@
 namespace tmcld {
 namespace {
 
-using Problems = tmcl::TextProblems;
-
 std::optional<HttpConfig> http_of(ConfigText& text) {
   const auto section = std::ranges::find(text.sections, SectionKind::http, &ConfigSection::kind);
   if (section == text.sections.end()) return std::nullopt;
   return build_http(*section, text.problems);
 }
 
-tl::expected<Config, Problems> build(ConfigText text) {
+tl::expected<Config, tmcl::TextProblems> build(ConfigText text) {
   Config config;
   if (text.is_toml) config = build_config(text.sections, text.problems);
   (void)http_of(text);
@@ -77,8 +75,8 @@ ConfigText read_all(const Files& files, DaemonSection daemon) {
   return all;
 }
 
-tl::expected<Config, std::vector<std::string>> with_lines(const Files& files,
-                                                          tl::expected<Config, Problems> config) {
+tl::expected<Config, std::vector<std::string>> with_lines(
+    const Files& files, tl::expected<Config, tmcl::TextProblems> config) {
   if (config) return std::move(*config);
   auto& problems = config.error();
   std::ranges::stable_sort(problems, {}, [&](const tmcl::TextProblem& problem) {

@@ -15,7 +15,8 @@ bool has_input(int descriptor) {
   return ::poll(&entry, 1, 0) > 0;
 }
 
-OpenedPort open_port(const PortConfig& config, std::shared_ptr<Gateway> gateway) {
+tl::expected<std::shared_ptr<Port>, std::string> open_port(const PortConfig& config,
+                                                           std::shared_ptr<Gateway> gateway) {
   auto port = std::visit(
       [&](const auto& name) {
         using Name = std::decay_t<decltype(name)>;

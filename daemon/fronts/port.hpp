@@ -20,18 +20,20 @@ class Port {
   virtual void close() = 0;
 };
 
-using OpenedPort = tl::expected<std::shared_ptr<Port>, std::string>;
-
 /// The error is a sentence that says what to try. A CAN interface may be missing: it is looked for
 /// again and again.
-OpenedPort open_port(const PortConfig& config, std::shared_ptr<Gateway> gateway);
+tl::expected<std::shared_ptr<Port>, std::string> open_port(const PortConfig& config,
+                                                           std::shared_ptr<Gateway> gateway);
 
 // Each of its kind.
-OpenedPort open_pty_port(const PortConfig& config, const PtyName& name,
-                         std::shared_ptr<Gateway> gateway);
-OpenedPort open_tcp_port(const PortConfig& config, const tmcl::TcpName& name,
-                         std::shared_ptr<Gateway> gateway);
-OpenedPort open_can_port(const PortConfig& config, const tmcl::CanName& name,
-                         std::shared_ptr<Gateway> gateway);
+tl::expected<std::shared_ptr<Port>, std::string> open_pty_port(const PortConfig& config,
+                                                               const PtyName& name,
+                                                               std::shared_ptr<Gateway> gateway);
+tl::expected<std::shared_ptr<Port>, std::string> open_tcp_port(const PortConfig& config,
+                                                               const tmcl::TcpName& name,
+                                                               std::shared_ptr<Gateway> gateway);
+tl::expected<std::shared_ptr<Port>, std::string> open_can_port(const PortConfig& config,
+                                                               const tmcl::CanName& name,
+                                                               std::shared_ptr<Gateway> gateway);
 
 }  // namespace tmcld

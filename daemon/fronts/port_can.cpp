@@ -120,8 +120,9 @@ class CanPort final : public Port, public std::enable_shared_from_this<CanPort> 
 
 }  // namespace
 
-OpenedPort open_can_port(const PortConfig& config, const tmcl::CanName& name,
-                         std::shared_ptr<Gateway> gateway) {
+tl::expected<std::shared_ptr<Port>, std::string> open_can_port(const PortConfig& config,
+                                                               const tmcl::CanName& name,
+                                                               std::shared_ptr<Gateway> gateway) {
   return std::make_shared<CanPort>(config, name, std::move(gateway));
 }
 

@@ -183,8 +183,9 @@ tl::unexpected<std::string> failure(const std::string& what) {
 
 }  // namespace
 
-OpenedPort open_pty_port(const PortConfig& config, const PtyName& name,
-                         std::shared_ptr<Gateway> gateway) {
+tl::expected<std::shared_ptr<Port>, std::string> open_pty_port(const PortConfig& config,
+                                                               const PtyName& name,
+                                                               std::shared_ptr<Gateway> gateway) {
   auto pty = tmcl::open_pty();
   if (!pty) return tl::unexpected(std::move(pty.error()));
   const int on = 1;

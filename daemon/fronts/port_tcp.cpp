@@ -133,8 +133,9 @@ class TcpPort final : public Port, public std::enable_shared_from_this<TcpPort> 
 
 }  // namespace
 
-OpenedPort open_tcp_port(const PortConfig& config, const tmcl::TcpName& name,
-                         std::shared_ptr<Gateway> gateway) {
+tl::expected<std::shared_ptr<Port>, std::string> open_tcp_port(const PortConfig& config,
+                                                               const tmcl::TcpName& name,
+                                                               std::shared_ptr<Gateway> gateway) {
   const auto executor = gateway->buses().front()->executor();
   const auto where = name.host + ":" + std::to_string(name.port);
   error_code error;

@@ -39,7 +39,7 @@ class Cut {
     for (const auto& element : path.elements)
       if (const auto* to = std::get_if<path_file::LineTo>(&element)) reach(to->target);
     bench_.every_ms = [this] { look(); };
-    bench_.instead = [this](const DriveCommand&) -> std::optional<DriveAnswer> {
+    bench_.instead = [this](const DriveCommand&) -> std::optional<tmcl::Result<std::int32_t>> {
       if (commands_++ < last_command_) return std::nullopt;
       return test::no_reply();
     };

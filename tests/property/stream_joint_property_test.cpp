@@ -134,7 +134,7 @@ Felt pass(const Lines& lines, Random& random, Duration least, Duration most) {
     }
     felt.farthest = std::max(felt.farthest, off(lines, position));
   };
-  bench.instead = [&](const DriveCommand&) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand&) -> std::optional<tmcl::Result<std::int32_t>> {
     bench.round_trip = Duration(random.between(least.count(), most.count()));
     return std::nullopt;
   };

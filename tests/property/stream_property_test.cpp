@@ -152,7 +152,7 @@ class Play {
     return all;
   }
 
-  std::optional<DriveAnswer> disturb(const DriveCommand& command) {
+  std::optional<tmcl::Result<std::int32_t>> disturb(const DriveCommand& command) {
     const bool is_time = ++commands_ >= scene_.at_command && !happened_;
     if (foreign_stop_ && command.axis == scene_.axis && sets_off(command))
       ++set_off_after_foreign_stop_;
@@ -326,7 +326,7 @@ TEST(StreamProperty, ACircleByPositionsBearsCommandsThatAreNotPunctual) {
     const auto late_us = random.between(500, 6000);
     SCOPED_TRACE(std::to_string(least_us) + " us, one command in " + std::to_string(one_in) +
                  " takes " + std::to_string(late_us) + " us more");
-    bench.instead = [&](const DriveCommand&) -> std::optional<DriveAnswer> {
+    bench.instead = [&](const DriveCommand&) -> std::optional<tmcl::Result<std::int32_t>> {
       const auto late = random.between(1, one_in) == 1 ? late_us : 0;
       bench.round_trip = std::chrono::microseconds(random.between(least_us, 2 * least_us) + late);
       return std::nullopt;

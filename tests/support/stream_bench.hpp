@@ -47,9 +47,8 @@ class StreamBench {
   std::function<void()> every_ms = [] {};
   std::function<void()> at_wait = [] {};
   /// May answer instead of the module, and let time pass.
-  std::function<std::optional<DriveAnswer>(const DriveCommand&)> instead = [](const auto&) {
-    return std::nullopt;
-  };
+  std::function<std::optional<tmcl::Result<std::int32_t>>(const DriveCommand&)> instead =
+      [](const auto&) { return std::nullopt; };
   double most_deviation = 1;
   std::vector<DriveCommand> commands;
 
@@ -112,7 +111,8 @@ class StreamBench {
   std::int32_t get(std::uint8_t axis, std::uint8_t parameter) {
     return *module_.axis(axis).get(parameter);
   }
-  DriveAnswer ask(Command command, std::uint8_t type, std::uint8_t axis, std::int32_t value) {
+  tmcl::Result<std::int32_t> ask(Command command, std::uint8_t type, std::uint8_t axis,
+                                 std::int32_t value) {
     const auto reply = module_.execute({ModuleAddress{1}, command, type, axis, value},
                                        sim::Medium::serial, events_);
     if (reply.status != Status::ok) return no_reply();
@@ -144,7 +144,7 @@ class StreamBench {
     return made;
   }
 
-  DriveAnswer carry_out(const DriveCommand& command) {
+  tmcl::Result<std::int32_t> carry_out(const DriveCommand& command) {
     commands.push_back(command);
     if (auto other = instead(command)) return *other;
     const auto axis = static_cast<std::uint8_t>(command.axis);

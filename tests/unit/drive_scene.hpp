@@ -87,7 +87,8 @@ class DriveScene {
   virtual ~DriveScene() = default;
 
   /// What answers a command in place of the axis; `index` counts from 0.
-  std::function<std::optional<DriveAnswer>(const DriveCommand& command, std::size_t index)>
+  std::function<std::optional<tmcl::Result<std::int32_t>>(const DriveCommand& command,
+                                                          std::size_t index)>
       instead = [](const auto&...) { return std::nullopt; };
   std::function<void()> every_step = [] {};
 

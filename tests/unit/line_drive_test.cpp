@@ -199,7 +199,8 @@ TEST_P(LineDriveFaults, BusesStartSideBySide) {
 
 TEST_P(LineDriveFaults, WhateverIsRefusedAllStop) {
   at_each_command([](LineScene& scene, std::size_t at) {
-    scene.instead = [&](const auto& command, std::size_t index) -> std::optional<DriveAnswer> {
+    scene.instead = [&](const auto& command,
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       if (index != at || command.may_wait) return std::nullopt;
       return tl::unexpected(error_with("refused", Errc::refused_by_module));
     };
@@ -220,7 +221,7 @@ TEST_P(LineDriveFaults, WhicheverAnswerIsLostAllStop) {
   at_each_command([](LineScene& scene, std::size_t at) {
     const DriveCommand* lost = nullptr;
     scene.instead = [&](const DriveCommand& command,
-                        std::size_t index) -> std::optional<DriveAnswer> {
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       if (index != at || command.may_wait) return std::nullopt;
       lost = &command;
       auto& axis = scene.axes[command.axis];
@@ -241,7 +242,7 @@ TEST_P(LineDriveFaults, AnAxisThatIsSilentFromThenOnKeepsNoneOfTheOthersMoving) 
     constexpr std::size_t silent = 1;
     bool never_answers = false;
     scene.instead = [&](const DriveCommand& command,
-                        std::size_t index) -> std::optional<DriveAnswer> {
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       never_answers = never_answers || index >= at;
       if (!never_answers || command.axis != silent) return std::nullopt;
       return tl::unexpected(error_with("silent", Errc::module_silent));
@@ -267,7 +268,8 @@ TEST_P(LineDriveFaults, AnAxisThatIsSilentFromThenOnKeepsNoneOfTheOthersMoving) 
 TEST_P(LineDriveFaults, ALinkThatIsLostForGoodLeavesAReport) {
   at_each_command([](LineScene& scene, std::size_t at) {
     bool lost = false;
-    scene.instead = [&](const auto&, std::size_t index) -> std::optional<DriveAnswer> {
+    scene.instead = [&](const auto&,
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       lost = lost || index >= at;
       if (!lost) return std::nullopt;
       return tl::unexpected(error_with("lost", Errc::link_lost));

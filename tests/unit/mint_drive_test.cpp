@@ -106,7 +106,8 @@ TEST(MintDrive, OneCommandStartsTheMotorsOfAModule) {
 
 TEST(MintDrive, AModuleWithoutCoordinatesIsToldEachTarget) {
   MintScene scene;
-  scene.instead = [](const DriveCommand& command, std::size_t) -> std::optional<DriveAnswer> {
+  scene.instead = [](const DriveCommand& command,
+                     std::size_t) -> std::optional<tmcl::Result<std::int32_t>> {
     if (command.kind != Kind::set_coordinate) return std::nullopt;
     auto refused = error_with("unknown command", Errc::refused_by_module);
     refused.outcome = Outcome::refused;
@@ -134,7 +135,8 @@ TEST(MintDrive, NoSpeedInBetweenIsFasterThanBeforeAndAfter) {
 
 TEST(MintDrive, WhateverIsRefusedAllStop) {
   at_each_command([](MintScene& scene, std::size_t at) {
-    scene.instead = [&](const auto& command, std::size_t index) -> std::optional<DriveAnswer> {
+    scene.instead = [&](const auto& command,
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       if (index != at || command.may_wait) return std::nullopt;
       return tl::unexpected(error_with("refused"));
     };
@@ -153,7 +155,7 @@ TEST(MintDrive, WhicheverAnswerIsLostAllStop) {
   at_each_command([](MintScene& scene, std::size_t at) {
     bool lost = false;
     scene.instead = [&](const DriveCommand& command,
-                        std::size_t index) -> std::optional<DriveAnswer> {
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       if (index != at || command.may_wait) return std::nullopt;
       lost = true;
       auto& axis = scene.axes[command.axis];
@@ -170,7 +172,8 @@ TEST(MintDrive, WhicheverAnswerIsLostAllStop) {
 
 TEST(MintDrive, ALinkThatIsLostForGoodLeavesAReport) {
   at_each_command([](MintScene& scene, std::size_t at) {
-    scene.instead = [&](const auto&, std::size_t index) -> std::optional<DriveAnswer> {
+    scene.instead = [&](const auto&,
+                        std::size_t index) -> std::optional<tmcl::Result<std::int32_t>> {
       if (index < at) return std::nullopt;
       return tl::unexpected(error_with("lost", Errc::link_lost));
     };

@@ -34,7 +34,7 @@ class Reload : public testing::Test {
     const auto config =
         parse_config("[daemon]\nsocket = \"" + daemon_.socket().path + "\"\n" + keys + toml);
     if (!config) return config.error().front().message;
-    std::optional<Daemon::Reloaded> reloaded;
+    std::optional<tl::expected<std::string, std::vector<std::string>>> reloaded;
     const auto run = [&]() -> boost::asio::awaitable<void> {
       auto result = co_await Daemon::reload(daemon_.daemon(), *config);
       reloaded.emplace(std::move(result));

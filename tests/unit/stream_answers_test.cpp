@@ -34,7 +34,7 @@ TEST_P(StreamInEachMode, UndoesAWriteThatHadNoAnswer) {
   bench.limit(24, own_acceleration);
   const auto own = bench.get(0, ap::max_acceleration);
   bool lost = false;
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     if (lost || command.kind != Kind::set || command.parameter != ap::max_acceleration)
       return std::nullopt;
     const auto axis = static_cast<std::uint8_t>(command.axis);
@@ -67,7 +67,7 @@ TEST(Stream, ALongRoundTripIsNoTrackingError) {
   std::optional<TimePoint> begin;
   std::array<std::int32_t, 2> velocity{};
   // Axes that are where the course is, whatever they are told; each is asked half-way.
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     const bool runs = bench.stream().phase() != PathStream::Phase::before;
     if (runs && !begin && command.kind == Kind::get) begin = bench.now() - bench.round_trip / 2;
     if (command.kind == Kind::set && command.parameter == ap::max_velocity)

@@ -41,7 +41,7 @@ Track pass(bool with_vstart, Duration late) {
     if (before == 0) track.largest_start = std::max(track.largest_start, now);
     before = now;
   };
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     if (command.kind != Kind::set || command.parameter != ap::target_position) return std::nullopt;
     const auto axis = static_cast<std::uint8_t>(command.axis);
     const auto actual = bench.get(axis, ap::actual_velocity);

@@ -104,7 +104,7 @@ TEST_P(EachMode, TellsHowFarFromThePathTheAxesWereAndHowLateOnIt) {
   late.most_deviation = 5;
   double farthest = 0;
   bool slept = false;
-  late.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  late.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     const bool sets_speed = command.kind == Kind::set && command.parameter == ap::max_velocity;
     if (late.mm(0) < 19.8 || slept || !sets_speed) return std::nullopt;
     slept = true;
@@ -141,7 +141,7 @@ TEST_P(EachMode, AStopOfAnyAxisStopsAll) {
 }
 
 TEST_P(EachMode, ARefusedCommandStopsAll) {
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     const bool moves = command.kind == Kind::rotate ||
                        (command.kind == Kind::set && command.parameter == ap::target_position);
     if (!moves || !half_way() || command.axis != 1) return std::nullopt;
@@ -158,7 +158,7 @@ TEST_P(EachMode, ARefusedCommandStopsAll) {
 
 TEST_P(EachMode, AnAxisThatCannotBeStoppedDoesNotKeepTheOtherOneTurning) {
   int stops = 0;
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     if (half_way()) bench.stream().stop();
     if (command.kind != Kind::stop || command.axis != 0) return std::nullopt;
     ++stops;
@@ -176,7 +176,7 @@ TEST_P(EachMode, AnAxisThatCannotBeStoppedDoesNotKeepTheOtherOneTurning) {
 TEST_P(EachMode, AStarvedStreamStops) {
   bench.most_deviation = 10;
   bool slept = false;
-  bench.instead = [&](const DriveCommand&) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand&) -> std::optional<tmcl::Result<std::int32_t>> {
     if (half_way() && !slept) {
       slept = true;
       bench.let_pass(milliseconds(200));
@@ -192,7 +192,7 @@ TEST_P(EachMode, AStarvedStreamStops) {
 
 TEST_P(EachMode, ALittleLateIsMadeUpFor) {
   int slept = 0;
-  bench.instead = [&](const DriveCommand&) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand&) -> std::optional<tmcl::Result<std::int32_t>> {
     if (half_way() && slept++ % 100 == 0) bench.let_pass(milliseconds(2));
     return std::nullopt;
   };
@@ -217,7 +217,7 @@ TEST_P(EachMode, WhoeverIsAskedToStopStops) {
 TEST_P(EachMode, AnAxisThatIsHeldIsNoticed) {
   bench.most_deviation = 0.5;
   std::int32_t held = 0;
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     const bool looks = command.kind == Kind::get && command.parameter == ap::actual_position;
     if (!looks || command.axis != 0 || bench.mm(0) < 5) return std::nullopt;
     if (held == 0) held = bench.get(0, ap::actual_position);
@@ -242,7 +242,7 @@ TEST_P(EachMode, NothingMovesThatIsNotAtTheStart) {
 
 TEST_P(EachMode, WhatStaysBehindIsTold) {
   bool ended = false;
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     if (half_way() && !ended) {
       ended = true;
       bench.stream().stop();
@@ -571,7 +571,7 @@ TEST_P(EveryFamily, WhateverEndsItGivesTheSettingsBack) {
 
 // Its own greatest speed would set it off.
 TEST_P(EveryFamily, AnAxisThatMayStillMoveGetsNoSettingsBack) {
-  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
     if (!goes_back()) return std::nullopt;
     bench.stream().stop();
     if (command.kind == Kind::stop) return test::no_reply();

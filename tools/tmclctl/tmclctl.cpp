@@ -63,8 +63,8 @@ constexpr std::optional<tmcl::Duration> time_in_all() {
 
 /// `ready` stands for the gateway that the command line names, if it is there already.
 template <class V>
-VerbResult run_on_gateway(const V& verb, const Where& where, Output& output, Host& host,
-                          Gateway* ready) {
+Result<ExitCode> run_on_gateway(const V& verb, const Where& where, Output& output, Host& host,
+                                Gateway* ready) {
   std::optional<Gateway> opened;
   if (ready == nullptr) {
     auto gateway = open_gateway(where, wait_for_gateway<V>(), host, time_in_all<V>());
@@ -88,7 +88,7 @@ std::optional<Error> refusal(const Options& options) {
                                                      info->name, info->reason));
 }
 
-VerbResult run(const Options& options, Output& output, Host& host, Gateway* ready) {
+Result<ExitCode> run(const Options& options, Output& output, Host& host, Gateway* ready) {
   const auto* trace = std::get_if<verb::Trace>(&options.verb);
   if (trace != nullptr && !trace->read.empty()) return run_on_file(*trace, output);
   if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));

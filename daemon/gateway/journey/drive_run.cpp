@@ -16,7 +16,6 @@ namespace {
 
 using boost::asio::awaitable;
 using tmcl::plan::Drive;
-using tmcl::plan::DriveAnswer;
 using tmcl::plan::DriveCommand;
 using tmcl::plan::DriveCommands;
 using tmcl::plan::DriveFault;
@@ -39,7 +38,7 @@ std::vector<tmcl::plan::Setting> left_of(const tmcl::plan::DriveReport* report, 
 }
 
 template <class T>
-DriveAnswer answer_of(tmcl::Result<T> result) {
+tmcl::Result<std::int32_t> answer_of(tmcl::Result<T> result) {
   if constexpr (std::is_same_v<T, std::int32_t>) {
     return result;
   } else {
@@ -111,7 +110,8 @@ awaitable<void> DriveRun::give(Drive& drive, DriveCommands commands) {
 }
 
 awaitable<void> DriveRun::answer(Drive& drive, DriveCommand command) {
-  DriveAnswer answer = tl::unexpected(tmcl::bad_argument("it could not be carried out"));
+  tmcl::Result<std::int32_t> answer =
+      tl::unexpected(tmcl::bad_argument("it could not be carried out"));
   try {
     auto done = co_await carry_out(command);
     answer = std::move(done);
@@ -183,14 +183,16 @@ Admitted DriveRun::movement_of(const DriveMember& member) const {
   return options;
 }
 
-awaitable<DriveAnswer> DriveRun::get(const DriveMember& member, DriveCommand command) {
+awaitable<tmcl::Result<std::int32_t>> DriveRun::get(const DriveMember& member,
+                                                    DriveCommand command) {
   const auto read = [axis = member.axis, command] { return axis->get(command.parameter, {}); };
   auto reading = command.may_wait ? patience_.insist(read) : read();
   auto value = co_await std::move(reading);
   co_return value;
 }
 
-awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand command) {
+awaitable<tmcl::Result<std::int32_t>> DriveRun::set(const DriveMember& member,
+                                                    DriveCommand command) {
   // A module that has started again has the settings that it starts with.
   if (command.may_wait && member.axis->latched()) co_return command.value;
   // As a client wants it that has set it meanwhile.
@@ -208,7 +210,7 @@ awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand com
   co_return answer_of(std::move(done));
 }
 
-awaitable<DriveAnswer> DriveRun::carry_out(DriveCommand command) {
+awaitable<tmcl::Result<std::int32_t>> DriveRun::carry_out(DriveCommand command) {
   const auto& member = members_[command.axis];
   auto movement = movement_of(member);
   const auto address = member.axis->address();

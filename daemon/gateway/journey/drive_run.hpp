@@ -64,8 +64,6 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   Wake woken_;
 
  private:
-  using Answer = tmcl::plan::DriveAnswer;
-
   static boost::asio::awaitable<void> watch_modules(std::shared_ptr<DriveRun> self,
                                                     std::size_t drive);
   boost::asio::awaitable<void> take_steps(tmcl::plan::Drive& drive,
@@ -74,10 +72,12 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   void notice_stops(tmcl::plan::Drive& drive) const;
   boost::asio::awaitable<void> give(tmcl::plan::Drive& drive, tmcl::plan::DriveCommands commands);
   boost::asio::awaitable<void> answer(tmcl::plan::Drive& drive, tmcl::plan::DriveCommand command);
-  boost::asio::awaitable<Answer> carry_out(tmcl::plan::DriveCommand command);
-  boost::asio::awaitable<Answer> get(const DriveMember& member, tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<tmcl::Result<std::int32_t>> carry_out(tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<tmcl::Result<std::int32_t>> get(const DriveMember& member,
+                                                         tmcl::plan::DriveCommand command);
   boost::asio::awaitable<void> enter_journal(const GatewayAxis& axis);
-  boost::asio::awaitable<Answer> set(const DriveMember& member, tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<tmcl::Result<std::int32_t>> set(const DriveMember& member,
+                                                         tmcl::plan::DriveCommand command);
 
   tmcl::ContextClock clock_;
   std::vector<Claim> claims_;

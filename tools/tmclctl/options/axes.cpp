@@ -21,7 +21,7 @@ constexpr std::int32_t most_remembered = 1024;
 // More than any buffer holds.
 constexpr std::int32_t most_samples = 1 << 24;
 
-Reading read_range(const std::string& text, ScanRange& range) {
+tl::expected<void, std::string> read_range(const std::string& text, ScanRange& range) {
   const auto dash = text.find('-');
   const auto first = text.substr(0, dash);
   const auto last = dash == std::string::npos ? first : text.substr(dash + 1);
@@ -29,13 +29,15 @@ Reading read_range(const std::string& text, ScanRange& range) {
       [&] { return number(range.last, range.first, greatest_address)(last); });
 }
 
-Reading read_interval(const std::string& text, std::chrono::milliseconds& interval) {
+tl::expected<void, std::string> read_interval(const std::string& text,
+                                              std::chrono::milliseconds& interval) {
   return parse_number<int>(text, shortest_interval_ms, longest_interval_ms).map([&](int value) {
     interval = std::chrono::milliseconds(value);
   });
 }
 
-Reading read_goal(const std::string& text, std::vector<verb::Line::Goal>& goals) {
+tl::expected<void, std::string> read_goal(const std::string& text,
+                                          std::vector<verb::Line::Goal>& goals) {
   const auto equals = text.find('=');
   if (equals == 0 || equals == std::string::npos)
     return tl::unexpected("'" + text + "' is no AXIS=POSITION");
@@ -43,7 +45,7 @@ Reading read_goal(const std::string& text, std::vector<verb::Line::Goal>& goals)
   return {};
 }
 
-Reading read_rate(const std::string& text, std::optional<double>& rate_hz) {
+tl::expected<void, std::string> read_rate(const std::string& text, std::optional<double>& rate_hz) {
   constexpr double kilo = 1000;
   std::string_view digits = text;
   if (digits.ends_with("Hz")) digits.remove_suffix(2);
@@ -56,7 +58,8 @@ Reading read_rate(const std::string& text, std::optional<double>& rate_hz) {
           [&](const std::string&) { return "'" + text + "' is no rate such as 500Hz or 1kHz"; });
 }
 
-Reading read_percent(const std::string& text, std::optional<std::int32_t>& percent) {
+tl::expected<void, std::string> read_percent(const std::string& text,
+                                             std::optional<std::int32_t>& percent) {
   std::string_view digits = text;
   if (digits.ends_with('%')) digits.remove_suffix(1);
   return parse_number<std::int32_t>(digits, 0, 100).map([&](std::int32_t value) {
@@ -65,7 +68,8 @@ Reading read_percent(const std::string& text, std::optional<std::int32_t>& perce
 }
 
 // PARAMETER EDGE VALUE
-Reading read_trigger(const std::string& text, std::optional<verb::Capture::Trigger>& trigger) {
+tl::expected<void, std::string> read_trigger(const std::string& text,
+                                             std::optional<verb::Capture::Trigger>& trigger) {
   verb::Capture::Trigger said;
   std::istringstream words(text);
   std::string value;
@@ -143,10 +147,11 @@ void add_motion(Grammar& grammar) {
   });
   auto wait =
       grammar.verb<verb::Wait>("wait", "Wait until axes stand at their targets", help_text::wait);
-  wait.words("AXIS", axis_meaning, [&axes = wait->axes](const std::string& text) -> Reading {
-    axes.push_back(text);
-    return {};
-  });
+  wait.words("AXIS", axis_meaning,
+             [&axes = wait->axes](const std::string& text) -> tl::expected<void, std::string> {
+               axes.push_back(text);
+               return {};
+             });
   wait.option("--timeout", "SECONDS", "Give up after so long; the axes go on",
               number(wait->timeout_s, shortest_time_s, longest_time_s));
   wait.internal(wait->internal);
@@ -194,10 +199,11 @@ void add_leases(Grammar& grammar) {
   auto run = grammar.verb<verb::RunLeased>(
       group, "run", "Run a program that has axes for itself: AXIS... -- COMMAND...",
       help_text::lease);
-  run.words("AXIS", axis_meaning, [&axes = run->axes](const std::string& text) -> Reading {
-    axes.push_back(text);
-    return {};
-  });
+  run.words("AXIS", axis_meaning,
+            [&axes = run->axes](const std::string& text) -> tl::expected<void, std::string> {
+              axes.push_back(text);
+              return {};
+            });
   run.option("--ttl", "SECONDS",
              "The axes stop so long after this program has been lost (default 2)",
              number(run->ttl_s, shortest_ttl_s, longest_ttl_s));
@@ -230,10 +236,11 @@ void add_watch(Grammar& grammar) {
   state.axis(state->axis);
   state.internal(state->internal);
   auto watch = grammar.verb<verb::Watch>("watch", "Show every change of axes", help_text::watch);
-  watch.words("AXIS", axis_meaning, [&axes = watch->axes](const std::string& text) -> Reading {
-    axes.push_back(text);
-    return {};
-  });
+  watch.words("AXIS", axis_meaning,
+              [&axes = watch->axes](const std::string& text) -> tl::expected<void, std::string> {
+                axes.push_back(text);
+                return {};
+              });
   watch.flag("--all", "Every axis there is", watch->all);
   watch.object(
       [](const verb::Watch& said, bool) {
@@ -305,7 +312,7 @@ void add_capture(Grammar& grammar) {
   capture.axis(capture->axis);
   auto& values = *capture.operator->();
   capture.repeated_option("--channel", "PARAM", "Record this axis parameter; may be given again",
-                          [&values](const std::string& text) -> Reading {
+                          [&values](const std::string& text) -> tl::expected<void, std::string> {
                             values.channels.push_back(text);
                             return {};
                           });

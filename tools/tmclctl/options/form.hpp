@@ -31,8 +31,7 @@ constexpr double longest_time_s = 1e6;
 constexpr const char* axis_meaning = "A configured name, or [BUS:]ADDRESS/MOTOR";
 
 /// Takes what was typed; otherwise a sentence on what is wrong with it.
-using Reading = tl::expected<void, std::string>;
-using Read = std::function<Reading(const std::string& text)>;
+using Read = std::function<tl::expected<void, std::string>(const std::string& text)>;
 
 /// All of it: 010 is ten, and no decimal number wraps around. Whole ones may be hexadecimal.
 template <class Number>

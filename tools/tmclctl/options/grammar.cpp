@@ -13,7 +13,7 @@ namespace tmclctl {
 namespace {
 
 /// `names`: of a word or of an option, the long one last.
-void must_be_good(const Reading& reading, const std::string& names) {
+void must_be_good(const tl::expected<void, std::string>& reading, const std::string& names) {
   if (reading) return;
   const auto name = names.substr(names.rfind(',') + 1);
   throw CLI::ValidationError(fmt::format("{}: {}", name, reading.error()));
@@ -41,7 +41,7 @@ bool is_outermost(const CLI::App& verb) {
 }  // namespace
 
 Read svg_file(std::string& into) {
-  return [&into](const std::string& name) -> Reading {
+  return [&into](const std::string& name) -> tl::expected<void, std::string> {
     constexpr std::array<std::string_view, 11> others{
         ".png", ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".webp", ".pdf", ".eps", ".ps"};
     const std::filesystem::path path(name);
@@ -58,7 +58,7 @@ Read svg_file(std::string& into) {
 }
 
 Read text(std::string& into) {
-  return [&into](const std::string& text) -> Reading {
+  return [&into](const std::string& text) -> tl::expected<void, std::string> {
     into = text;
     return {};
   };

@@ -132,7 +132,7 @@ void add_deadman(Grammar& grammar) {
 namespace {
 
 /// "-2mm..2mm"
-Reading read_travel(const std::string& said, verb::Verify& verb) {
+tl::expected<void, std::string> read_travel(const std::string& said, verb::Verify& verb) {
   constexpr std::string_view between = "..";
   const auto at = said.find(between);
   const auto end = at == std::string::npos ? at : at + between.size();

@@ -13,7 +13,8 @@ constexpr double most_of_path = 1e9;
 constexpr int shortest_period_ms = 1;
 constexpr int longest_period_ms = 1000;
 
-Reading read_choice(const std::string& text, std::vector<std::string>& choices) {
+tl::expected<void, std::string> read_choice(const std::string& text,
+                                            std::vector<std::string>& choices) {
   const auto equals = text.find('=');
   if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
     return tl::unexpected(fmt::format("'{}' is no NAME=AXIS", text));
@@ -21,7 +22,7 @@ Reading read_choice(const std::string& text, std::vector<std::string>& choices) 
   return {};
 }
 
-Reading read_times(std::string_view list, std::vector<double>& times) {
+tl::expected<void, std::string> read_times(std::string_view list, std::vector<double>& times) {
   times.clear();
   for (std::size_t begin = 0; begin <= list.size();) {
     const auto comma = std::min(list.find(',', begin), list.size());
@@ -34,7 +35,8 @@ Reading read_times(std::string_view list, std::vector<double>& times) {
   return {};
 }
 
-Reading read_change(const std::string& text, std::vector<verb::Simulate::Change>& changes) {
+tl::expected<void, std::string> read_change(const std::string& text,
+                                            std::vector<verb::Simulate::Change>& changes) {
   const auto colon = text.find(':');
   if (colon == std::string::npos)
     return tl::unexpected(fmt::format("'{}' is no SECONDS:REGISTER=VALUE", text));
@@ -63,7 +65,7 @@ void add_simulate(Grammar& grammar, const Form& profile) {
   auto& said = *simulate.operator->();
   simulate.words("REGISTER=VALUE",
                  "What is written before it starts; the others stay as at power-up",
-                 [&said](const std::string& text) -> Reading {
+                 [&said](const std::string& text) -> tl::expected<void, std::string> {
                    said.settings.push_back(text);
                    return {};
                  });
@@ -88,7 +90,7 @@ void add_solve(Grammar& grammar, const Form& profile) {
       profile, "solve", "All of a trapezoid from as much as determines it", help_text::solve);
   auto& said = *solve.operator->();
   solve.words("QUANTITY=VALUE[UNIT]", "What is known, and the words symmetric or thirds",
-              [&said](const std::string& text) -> Reading {
+              [&said](const std::string& text) -> tl::expected<void, std::string> {
                 said.words.push_back(text);
                 return {};
               });
@@ -111,7 +113,7 @@ void add_steering(Grammar& grammar, const Form& path, const std::string& name, c
   form->method = method;
   auto& said = *form.operator->();
   form.words("AXIS", "One of each path; without any, all paths",
-             [&said](const std::string& text) -> Reading {
+             [&said](const std::string& text) -> tl::expected<void, std::string> {
                said.axes.push_back(text);
                return {};
              });
@@ -138,7 +140,7 @@ void add_mint(Grammar& grammar) {
   run.repeated_option("--axis", "NUMBER=AXIS", "Which axis the program's axis of this number is",
                       [&said](const std::string& text) { return read_choice(text, said.axes); });
   run.option("--counts", "WHAT", "What SCALE counts: microsteps (default), or encoder",
-             [&said](const std::string& text) -> Reading {
+             [&said](const std::string& text) -> tl::expected<void, std::string> {
                said.counts_encoder = text == "encoder";
                if (said.counts_encoder || text == "microsteps") return {};
                return tl::unexpected(fmt::format("'{}' is neither microsteps nor encoder", text));
@@ -171,7 +173,7 @@ void add_path(Grammar& grammar) {
   run.repeated_option("--axis", "LETTER=AXIS", "Which axis the file's axis of this name is",
                       [&said](const std::string& text) { return read_choice(text, said.axes); });
   run.option("--mode", "MODE", "velocity (default), segments, or position",
-             [&said](const std::string& text) -> Reading {
+             [&said](const std::string& text) -> tl::expected<void, std::string> {
                const auto mode = tmcl::plan::stream_mode_named(text);
                if (!mode) {
                  return tl::unexpected(

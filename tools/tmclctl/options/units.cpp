@@ -8,7 +8,7 @@
 namespace tmclctl {
 namespace {
 
-Reading read_microsteps(const std::string& text, std::int32_t& into) {
+tl::expected<void, std::string> read_microsteps(const std::string& text, std::int32_t& into) {
   const auto value = parse_number<std::int32_t>(text, 1, 1 << tmcl::max_microstep_resolution);
   if (!value) return tl::unexpected(value.error());
   if (!std::has_single_bit(static_cast<std::uint32_t>(*value)))

@@ -57,7 +57,7 @@ Result<void> subscribe_arrivals(const api::OnModule& module, const api::module::
 
 }  // namespace
 
-VerbResult run(const verb::Arrivals& verb, Context& context) {
+Result<ExitCode> run(const verb::Arrivals& verb, Context& context) {
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
   const auto named = on_module(*module, context);

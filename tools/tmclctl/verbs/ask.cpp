@@ -157,7 +157,7 @@ bool only_reads(std::string_view method) {
   return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status");
 }
 
-VerbResult run(const verb::Ask& verb, Context& context) {
+Result<ExitCode> run(const verb::Ask& verb, Context& context) {
   auto params = params_of(verb, context);
   if (!params) return tl::unexpected(params.error());
   const auto result = context.gateway.caller.call(verb.method, std::move(*params));

@@ -69,7 +69,7 @@ void print(const std::vector<Row>& rows, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::Buses& verb, Context& context) {
+Result<ExitCode> run(const verb::Buses& verb, Context& context) {
   const auto first = context.call(api::bus::List{});
   if (!first) return tl::unexpected(first.error());
   const auto begin = context.host.now();

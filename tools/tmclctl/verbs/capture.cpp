@@ -284,7 +284,7 @@ void show(const verb::Capture& verb, const capture::Started& started, const Reco
 
 }  // namespace
 
-VerbResult run(const verb::Capture& verb, Context& context) {
+Result<ExitCode> run(const verb::Capture& verb, Context& context) {
   OutputFile svg;
   OutputFile csv;
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());

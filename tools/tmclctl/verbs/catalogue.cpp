@@ -60,7 +60,7 @@ json::object to_json(const tmcl::ParameterInfo& row) {
 
 }  // namespace
 
-VerbResult run(const verb::Models&, Output& output) {
+Result<ExitCode> run(const verb::Models&, Output& output) {
   json::array array;
   Table table({"MODEL", "AXES", "RAMPS", "CHIPS", "INTERFACES"});
   for (const auto& model : tmcl::models()) {
@@ -77,7 +77,7 @@ VerbResult run(const verb::Models&, Output& output) {
   return ExitCode::done;
 }
 
-VerbResult run_on_model(const verb::Params& verb, Output& output) {
+Result<ExitCode> run_on_model(const verb::Params& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   const auto rows =

@@ -21,7 +21,7 @@ std::string text_of(const api::axis::TestedDeadman& tested) {
 
 }  // namespace
 
-VerbResult run(const verb::SetDeadman& verb, Context& context) {
+Result<ExitCode> run(const verb::SetDeadman& verb, Context& context) {
   const api::axis::SetDeadman params{.axis = verb.axis, .ms = verb.ms};
   const auto result = context.call(params);
   if (!result) return tl::unexpected(result.error());
@@ -38,7 +38,7 @@ VerbResult run(const verb::SetDeadman& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::TestDeadman& verb, Context& context) {
+Result<ExitCode> run(const verb::TestDeadman& verb, Context& context) {
   ProgressLine line(context.output);
   const tmcl::client::Hearing<api::DeadmanProgress> hearing(
       context.gateway.caller, api::progress_notification, [&](const api::DeadmanProgress& plan) {

@@ -28,7 +28,7 @@ void add_row(Table& table, const api::axis::Errors& errors) {
 
 }  // namespace
 
-VerbResult run(const verb::Errors& verb, Context& context) {
+Result<ExitCode> run(const verb::Errors& verb, Context& context) {
   std::vector<std::string> names{verb.axis};
   if (verb.axis.empty()) {
     const auto axes = axes_of(context);

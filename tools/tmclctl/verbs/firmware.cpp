@@ -162,7 +162,7 @@ void report(const verb::UploadFirmware& verb, const ModuleName& module, const Im
 
 }  // namespace
 
-VerbResult run(const verb::FirmwareInfo& verb, Output& output) {
+Result<ExitCode> run(const verb::FirmwareInfo& verb, Output& output) {
   return read_image(verb.file).map([&](const Image& image) {
     if (output.json) {
       print_json(to_json(verb.file, image), output);
@@ -173,7 +173,7 @@ VerbResult run(const verb::FirmwareInfo& verb, Output& output) {
   });
 }
 
-VerbResult run(const verb::CheckFirmware& verb, Context& context) {
+Result<ExitCode> run(const verb::CheckFirmware& verb, Context& context) {
   const auto image = read_image(verb.file);
   if (!image) return tl::unexpected(image.error());
   const auto module = parse_module(verb.module);
@@ -196,7 +196,7 @@ VerbResult run(const verb::CheckFirmware& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::UploadFirmware& verb, Context& context) {
+Result<ExitCode> run(const verb::UploadFirmware& verb, Context& context) {
   const auto image = read_image(verb.file);
   if (!image) return tl::unexpected(image.error());
   const auto module = parse_module(verb.module);

@@ -56,7 +56,7 @@ void print_document(const std::string& axis, const Answer& answer, Output& outpu
   print_json(document, output);
 }
 
-VerbResult end_search(const verb::Home& verb, Context& context) {
+Result<ExitCode> end_search(const verb::Home& verb, Context& context) {
   const auto ended = context.call(api::axis::StopHome{verb.axis});
   if (!ended) return tl::unexpected(ended.error());
   if (context.output.json) {
@@ -67,7 +67,7 @@ VerbResult end_search(const verb::Home& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult start_search(const verb::Home& verb, const Typed& travel, Context& context) {
+Result<ExitCode> start_search(const verb::Home& verb, const Typed& travel, Context& context) {
   const auto started =
       context.call(api::axis::StartHome{verb.axis, verb.mode, travel.counted(), travel.amount()});
   if (!started) return tl::unexpected(started.error());
@@ -96,7 +96,7 @@ Result<api::axis::HomedAxis> search(const verb::Home& verb, api::axis::Home para
 
 }  // namespace
 
-VerbResult run(const verb::Home& verb, Context& context) {
+Result<ExitCode> run(const verb::Home& verb, Context& context) {
   if (verb.stop) return end_search(verb, context);
   const Typed travel{verb.max_travel, verb.internal};
   if (verb.no_wait) return start_search(verb, travel, context);
@@ -112,7 +112,7 @@ VerbResult run(const verb::Home& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Recover& verb, Context& context) {
+Result<ExitCode> run(const verb::Recover& verb, Context& context) {
   std::vector<std::string> names{verb.axis};
   if (verb.all) {
     // Also those without a name in the configuration.

@@ -57,7 +57,7 @@ Error lost(Error failure, ChildProcess& program) {
 
 }  // namespace
 
-VerbResult run(const verb::RunLeased& verb, Context& context) {
+Result<ExitCode> run(const verb::RunLeased& verb, Context& context) {
   if (verb.command.empty())
     return tl::unexpected(usage_error("usage", "say what is to be run: AXIS... -- COMMAND..."));
   api::lease::Acquire wanted{verb.axes};
@@ -74,7 +74,7 @@ VerbResult run(const verb::RunLeased& verb, Context& context) {
   return static_cast<ExitCode>(*code);
 }
 
-VerbResult run(const verb::Leases&, Context& context) {
+Result<ExitCode> run(const verb::Leases&, Context& context) {
   const auto all = context.call(api::lease::List{});
   if (!all) return tl::unexpected(all.error());
   if (context.output.json) {
@@ -91,7 +91,7 @@ VerbResult run(const verb::Leases&, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::BreakLease& verb, Context& context) {
+Result<ExitCode> run(const verb::BreakLease& verb, Context& context) {
   const auto broken = context.call(api::lease::Break{verb.axis});
   if (!broken) return tl::unexpected(broken.error());
   if (context.output.json) {

@@ -89,7 +89,7 @@ void print(const api::line::StartedLine& line, const verb::Line& verb, std::ostr
 
 }  // namespace
 
-VerbResult run(const verb::Line& verb, Context& context) {
+Result<ExitCode> run(const verb::Line& verb, Context& context) {
   if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
   const auto line = context.call(params_of(verb));
   if (!line) return tl::unexpected(line.error());

@@ -57,7 +57,7 @@ void print_modules(const std::vector<ModuleRow>& rows, bool with_state, std::ost
   table.print(out);
 }
 
-VerbResult show_modules(const std::vector<ModuleRow>& rows, bool with_state, Output& output) {
+Result<ExitCode> show_modules(const std::vector<ModuleRow>& rows, bool with_state, Output& output) {
   if (output.json) {
     print_json({{"modules", to_json_array(rows)}}, output);
   } else {
@@ -66,7 +66,7 @@ VerbResult show_modules(const std::vector<ModuleRow>& rows, bool with_state, Out
   return ExitCode::done;
 }
 
-VerbResult show_partial_scan(const ScanResult& result, Output& output) {
+Result<ExitCode> show_partial_scan(const ScanResult& result, Output& output) {
   auto exit = ExitCode::done;
   json::array failed;
   for (const auto& [bus, failure] : result.failed) {
@@ -191,7 +191,7 @@ void print_silence(std::uint64_t garbage, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::Scan& verb, Context& context) {
+Result<ExitCode> run(const verb::Scan& verb, Context& context) {
   const auto garbage_before = garbage_bytes(context);
   ProgressLine line(context.output);
   const auto show = [&](const std::string& bus, std::size_t asked, std::size_t of) {
@@ -210,13 +210,13 @@ VerbResult run(const verb::Scan& verb, Context& context) {
   });
 }
 
-VerbResult run(const verb::Modules&, Context& context) {
+Result<ExitCode> run(const verb::Modules&, Context& context) {
   const auto rows = modules_of(context);
   if (!rows) return tl::unexpected(rows.error());
   return show_modules(*rows, true, context.output);
 }
 
-VerbResult run(const verb::Axes&, Context& context) {
+Result<ExitCode> run(const verb::Axes&, Context& context) {
   const auto rows = axes_of(context);
   if (!rows) return tl::unexpected(rows.error());
   std::vector<ScaleFactors> factors;
@@ -236,7 +236,7 @@ VerbResult run(const verb::Axes&, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Params& verb, Context& context) {
+Result<ExitCode> run(const verb::Params& verb, Context& context) {
   const auto listed = context.call(parameter::List{verb.axis});
   if (!listed) return tl::unexpected(listed.error());
   const auto& rows = listed->parameters;
@@ -263,7 +263,7 @@ VerbResult run(const verb::Params& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Complete&, Context& context) {
+Result<ExitCode> run(const verb::Complete&, Context& context) {
   const auto rows = axes_of(context);
   if (!rows) return tl::unexpected(rows.error());
   for (const auto& row : *rows) context.output.out << row.name << '\n';

@@ -75,7 +75,7 @@ Result<mint::DryRun> dry_run(const std::string& file, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::CheckMint& verb, Output& output) {
+Result<ExitCode> run(const verb::CheckMint& verb, Output& output) {
   return dry_run(verb.file, output).map([&](const mint::DryRun& run) {
     if (output.json) {
       print_json(to_json(verb.file, run), output);

@@ -143,7 +143,7 @@ Result<api::mint::Ran> run_followed(const std::string& text, api::mint::Run run,
 
 }  // namespace
 
-VerbResult run(const verb::RunMint& verb, Context& context) {
+Result<ExitCode> run(const verb::RunMint& verb, Context& context) {
   const auto text = path::text_of(verb.file, path::most_mint_bytes);
   if (!text) return tl::unexpected(text.error());
   const auto params = params_of(verb, context);

@@ -40,8 +40,8 @@ Result<typename Method::Result> perform(const Method& method, Context& context) 
              : ""));
 }
 
-VerbResult compare(const verb::Upload& verb, const api::program::Compare& program,
-                   Context& context) {
+Result<ExitCode> compare(const verb::Upload& verb, const api::program::Compare& program,
+                         Context& context) {
   const auto same = perform(program, context);
   if (!same) return tl::unexpected(same.error());
   if (context.output.json) {
@@ -53,7 +53,8 @@ VerbResult compare(const verb::Upload& verb, const api::program::Compare& progra
   return ExitCode::done;
 }
 
-VerbResult load(const verb::Upload& verb, const api::program::Load& program, Context& context) {
+Result<ExitCode> load(const verb::Upload& verb, const api::program::Load& program,
+                      Context& context) {
   const auto loaded = perform(program, context);
   if (!loaded) return tl::unexpected(loaded.error());
   if (verb.run) {
@@ -84,7 +85,7 @@ Result<void> write_program(const std::string& path, const Program& program) {
 
 }  // namespace
 
-VerbResult run(const verb::Upload& verb, Context& context) {
+Result<ExitCode> run(const verb::Upload& verb, Context& context) {
   const auto program = program_from(verb.file, context.output);
   if (!program) return tl::unexpected(program.error());
   const auto module = on_module(verb.module, context);
@@ -96,7 +97,7 @@ VerbResult run(const verb::Upload& verb, Context& context) {
   return load(verb, {*module, std::move(text), first, compared}, context);
 }
 
-VerbResult run(const verb::Download& verb, Context& context) {
+Result<ExitCode> run(const verb::Download& verb, Context& context) {
   const auto module = on_module(verb.module, context);
   if (!module) return tl::unexpected(module.error());
   const auto read =

@@ -82,7 +82,7 @@ Journey journey_of(const std::string& axis, const api::axis::StartedMove& move, 
 
 }  // namespace
 
-VerbResult run(const verb::Move& verb, Context& context) {
+Result<ExitCode> run(const verb::Move& verb, Context& context) {
   if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
   const auto move = start_move(verb.axis, {verb.position, verb.internal}, verb.by, context);
   if (!move) return tl::unexpected(move.error());
@@ -123,7 +123,7 @@ Result<Stood> wait_for_axis(const std::string& axis, const verb::Wait& verb,
 
 }  // namespace
 
-VerbResult run(const verb::Wait& verb, Context& context) {
+Result<ExitCode> run(const verb::Wait& verb, Context& context) {
   const auto started_at = context.host.now();
   json::array axes;
   for (const auto& axis : verb.axes) {
@@ -204,7 +204,7 @@ Error may_still_turn(const std::string& axis, Error why, const Context& context)
   return why;
 }
 
-VerbResult attend(const verb::Rotate& verb, Context& context) {
+Result<ExitCode> attend(const verb::Rotate& verb, Context& context) {
   const auto stands = watch_turning(verb, context);
   context.host.take_signal();
   if (stands && *stands) return tl::unexpected(stopped_elsewhere(verb.axis, **stands));
@@ -217,7 +217,7 @@ VerbResult attend(const verb::Rotate& verb, Context& context) {
 
 }  // namespace
 
-VerbResult run(const verb::Rotate& verb, Context& context) {
+Result<ExitCode> run(const verb::Rotate& verb, Context& context) {
   const Typed velocity{verb.velocity, verb.internal};
   const auto turning = context.call(api::axis::Rotate{
       verb.axis, velocity.counted(), velocity.amount(), verb.unattended, move_deadline_ms});
@@ -315,7 +315,7 @@ ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::Stop& verb, Context& context) {
+Result<ExitCode> run(const verb::Stop& verb, Context& context) {
   const auto stop_all = [&] {
     return stop_everything(context).map(
         [&](const std::vector<StoppedAxis>& axes) { return show_stopped(axes, context.output); });

@@ -27,7 +27,7 @@ Result<Quantity> in_units(const parameter::Value& got, const std::string& axis, 
 
 }  // namespace
 
-VerbResult run(const verb::Get& verb, Context& context) {
+Result<ExitCode> run(const verb::Get& verb, Context& context) {
   const auto got = context.call(parameter::Get{{verb.axis, name_or_number(verb.parameter)}});
   if (!got) return tl::unexpected(got.error());
   auto document = to_json(verb.axis, *got);
@@ -47,7 +47,7 @@ VerbResult run(const verb::Get& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Set& verb, Context& context) {
+Result<ExitCode> run(const verb::Set& verb, Context& context) {
   const Typed value{verb.value, true};
   const auto set = context.call(
       parameter::Set{{verb.axis, name_or_number(verb.parameter)}, value.counted(), value.amount()});

@@ -24,7 +24,7 @@ Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objecti
 
 }  // namespace
 
-VerbResult run(const verb::CheckPath& verb, Output& output) {
+Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto text = path::text_of(verb.file, path::most_path_bytes);
   if (!text) return tl::unexpected(text.error());
   const auto source = plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance);

@@ -149,7 +149,7 @@ void print(const api::path::Passed& report, StreamMode mode, Output& output) {
       report.commands_per_s, report.round_trip_us, 100 * report.bus_load);
 }
 
-VerbResult tell(PathEnd end, StreamMode mode, Output& output) {
+Result<ExitCode> tell(PathEnd end, StreamMode mode, Output& output) {
   if (end.report) {
     warn(end.report->remarks, output);
     if (output.json) {
@@ -168,7 +168,7 @@ VerbResult tell(PathEnd end, StreamMode mode, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::RunPath& verb, Context& context) {
+Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   const auto plan = plan_of(verb, context);
   if (!plan) return tl::unexpected(plan.error());
   warn(plan->warnings, context.output);

@@ -197,7 +197,7 @@ void show(const verb::Plot& verb, const plot::Recording& recording, const plot::
 
 }  // namespace
 
-VerbResult run(const verb::Plot& verb, Context& context) {
+Result<ExitCode> run(const verb::Plot& verb, Context& context) {
   // A move whose recording cannot be kept is not worth starting.
   OutputFile svg;
   OutputFile csv;

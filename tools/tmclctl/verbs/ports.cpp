@@ -41,7 +41,7 @@ std::string what_is_behind(const tmcl::Port& port) {
 
 }  // namespace
 
-VerbResult run(const verb::Ports&, Output& output) {
+Result<ExitCode> run(const verb::Ports&, Output& output) {
   json::array array;
   Table table({"LINK", "USB PORT", "BEHIND IT", "MODULE", "HELD BY", "NAME THAT STAYS"});
   const auto ports = tmcl::list_ports();

@@ -240,7 +240,7 @@ Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulati
 
 }  // namespace
 
-VerbResult run(const verb::Simulate& verb, Output& output) {
+Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
   const auto setup = profile::read_setup(verb);
   if (!setup) return tl::unexpected(setup.error());
   const auto simulation = setup->generator.simulate(setup->script);

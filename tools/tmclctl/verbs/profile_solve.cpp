@@ -109,7 +109,7 @@ Result<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
 
 }  // namespace
 
-VerbResult run(const verb::SolveProfile& verb, Output& output) {
+Result<ExitCode> run(const verb::SolveProfile& verb, Output& output) {
   const auto known = profile::read_known_values(verb.words);
   if (!known) return tl::unexpected(known.error());
   const auto solved = plan::solve(known->given, known->assumption);

@@ -96,7 +96,7 @@ Result<Program> program_from(const std::string& path, Output& output) {
   });
 }
 
-VerbResult run(const verb::Assemble& verb, Output& output) {
+Result<ExitCode> run(const verb::Assemble& verb, Output& output) {
   Result<const tmcl::Model*> model = nullptr;
   if (!verb.model.empty()) model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
@@ -112,7 +112,7 @@ VerbResult run(const verb::Assemble& verb, Output& output) {
   });
 }
 
-VerbResult run(const verb::Disassemble& verb, Output& output) {
+Result<ExitCode> run(const verb::Disassemble& verb, Output& output) {
   const auto program = read_program(verb.file);
   if (!program) return tl::unexpected(program.error());
   const auto text = tmcl::program::disassemble(*program);

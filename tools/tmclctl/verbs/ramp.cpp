@@ -84,7 +84,7 @@ void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::Ramp& verb, Context& context) {
+Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
   const auto ramp = verb.dry_run ? context.call(method_of<api::axis::PlanRamp>(verb))
                                  : context.call(method_of<api::axis::SetRamp>(verb));
   if (!ramp) return tl::unexpected(ramp.error());

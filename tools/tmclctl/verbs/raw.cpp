@@ -146,7 +146,7 @@ void print(const tmcl::Request& request, const RawAnswer& answer, std::ostream& 
 
 }  // namespace
 
-VerbResult run(const verb::Raw& verb, Context& context) {
+Result<ExitCode> run(const verb::Raw& verb, Context& context) {
   const auto request = request_from(verb);
   if (!request) return tl::unexpected(request.error());
   const auto answer = ask(verb.bus, *request, context);

@@ -25,7 +25,7 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
 
 }  // namespace
 
-VerbResult run(const verb::State& verb, Context& context) {
+Result<ExitCode> run(const verb::State& verb, Context& context) {
   const auto reading = state_of(verb.axis, context);
   if (!reading) return tl::unexpected(reading.error());
   const auto factors = scale_factors_of(verb.axis, reading->position.has_value(), context);

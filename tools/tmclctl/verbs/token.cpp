@@ -7,7 +7,7 @@ namespace tmclctl {
 
 namespace api = tmcl::api;
 
-VerbResult run(const verb::AddToken& verb, Context& context) {
+Result<ExitCode> run(const verb::AddToken& verb, Context& context) {
   api::token::Add wish{verb.role};
   if (!verb.name.empty()) wish.name = verb.name;
   const auto added = context.call(wish);
@@ -23,7 +23,7 @@ VerbResult run(const verb::AddToken& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Tokens&, Context& context) {
+Result<ExitCode> run(const verb::Tokens&, Context& context) {
   const auto all = context.call(api::token::List{});
   if (!all) return tl::unexpected(all.error());
   if (context.output.json) {
@@ -36,7 +36,7 @@ VerbResult run(const verb::Tokens&, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::RevokeToken& verb, Context& context) {
+Result<ExitCode> run(const verb::RevokeToken& verb, Context& context) {
   const auto revoked = context.call(api::token::Revoke{verb.name});
   if (!revoked) return tl::unexpected(revoked.error());
   if (context.output.json) {

@@ -108,7 +108,7 @@ class Top {
 
 }  // namespace
 
-VerbResult run(const verb::Top& verb, Context& context) {
+Result<ExitCode> run(const verb::Top& verb, Context& context) {
   // Before anything is looked for, which may take a while.
   const auto found = FullScreen::look_for(context.output.out_screen);
   if (!found) return tl::unexpected(found.error());

@@ -146,7 +146,7 @@ Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trac
 
 }  // namespace
 
-VerbResult run(const verb::Trace& verb, Context& context) {
+Result<ExitCode> run(const verb::Trace& verb, Context& context) {
   const auto bus = bus_of(verb, context);
   if (!bus) return tl::unexpected(bus.error());
   const auto before = context.call(api::bus::Trace{*bus, std::nullopt, verb.last.value_or(1)});
@@ -162,7 +162,7 @@ VerbResult run(const verb::Trace& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run_on_file(const verb::Trace& verb, Output& output) {
+Result<ExitCode> run_on_file(const verb::Trace& verb, Output& output) {
   const auto trace = tmcl::read_trace_file(verb.read);
   if (!trace) {
     return tl::unexpected(

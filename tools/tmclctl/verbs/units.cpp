@@ -207,7 +207,7 @@ std::vector<Shown> what_to_show(const verb::Convert& verb, const Quantity& quant
 
 }  // namespace
 
-VerbResult run(const verb::Convert& verb, Output& output) {
+Result<ExitCode> run(const verb::Convert& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   if (verb.bow && (*model)->family != tmcl::Family::tmc457) {

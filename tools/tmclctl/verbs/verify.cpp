@@ -68,7 +68,7 @@ api::axis::Verify params_of(const verb::Verify& verb) {
 
 }  // namespace
 
-VerbResult run(const verb::Verify& verb, Context& context) {
+Result<ExitCode> run(const verb::Verify& verb, Context& context) {
   const auto wanted = is_wanted(verb, context);
   if (!wanted) return tl::unexpected(wanted.error());
   if (!*wanted) {

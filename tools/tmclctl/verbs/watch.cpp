@@ -110,7 +110,7 @@ void Watching::tell(std::string_view key, const std::string& text, boost::json::
 
 }  // namespace
 
-VerbResult run(const verb::Watch& verb, Context& context) {
+Result<ExitCode> run(const verb::Watch& verb, Context& context) {
   auto axes = verb.axes;
   if (verb.all) {
     const auto rows = axes_of(context);

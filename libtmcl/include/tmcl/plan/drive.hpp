@@ -60,8 +60,6 @@ struct DriveWait {
 };
 struct DriveEnd {};
 using DriveStep = std::variant<DriveCommands, DriveWait, DriveEnd>;
-/// What get read; 0 for the others.
-using DriveAnswer = Result<std::int32_t>;
 
 /// Why axes did not get to the end of their way.
 struct DriveFault {
@@ -115,8 +113,8 @@ class Drive {
   virtual ~Drive();
 
   DriveStep next(TimePoint now);
-  /// A command of the axis has been answered.
-  void answered(TimePoint now, std::size_t axis, DriveAnswer answer);
+  /// A command of the axis has been answered, by what was read or 0.
+  void answered(TimePoint now, std::size_t axis, Result<std::int32_t> answer);
   /// Ends it early. `why` becomes the report's fault, unless there is one already.
   void stop(DriveFault why = {DriveFault::Kind::asked, {}, "stopped"});
 

@@ -70,8 +70,6 @@ struct Path {
   bool operator==(const Path&) const = default;
 };
 
-using Reading = tl::expected<Path, TextProblems>;
-
 /// A table with commas; its first row names the columns; cells may stand in quotes. Either a column
 /// t, in ascending seconds (or time, time_s, t_s, in any case), and one for each axis: where the
 /// axes are when. Or axes only: corners of a polyline, with a column speed for how fast the way to
@@ -81,7 +79,7 @@ using Reading = tl::expected<Path, TextProblems>;
 /// name are no axes, but problems.
 ///
 /// All that is wrong, by line, up to most_text_problems.
-Reading read_csv(std::string_view text);
+tl::expected<Path, TextProblems> read_csv(std::string_view text);
 
 constexpr std::string_view gcode_axes = "XYZABC";
 
@@ -100,7 +98,7 @@ constexpr std::string_view gcode_axes = "XYZABC";
 /// All that is wrong, by line, up to most_text_problems; what is not known here once for each
 /// letter or code. Behind a line that cannot be followed, no movement is looked at: what is wrong
 /// with it may follow from that line.
-Reading read_gcode(std::string_view text, const Point& start = {});
+tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start = {});
 
 /// With lines for the arcs, nowhere farther from them than this. A sentence if that takes more than
 /// most_chords_of_an_arc or most_elements, or if the tolerance is none.

@@ -67,7 +67,7 @@ DriveStep DriveRunner::next(TimePoint now) {
   return std::exchange(to_send_, {});
 }
 
-void DriveRunner::answered(TimePoint now, std::size_t axis, DriveAnswer answer) {
+void DriveRunner::answered(TimePoint now, std::size_t axis, Result<std::int32_t> answer) {
   now_ = now;
   auto [exchange, lane] = std::move(*under_way_[axis]);
   under_way_[axis].reset();
@@ -271,7 +271,7 @@ Drive::Drive(Drive&&) noexcept = default;
 Drive& Drive::operator=(Drive&&) noexcept = default;
 
 DriveStep Drive::next(TimePoint now) { return runner_->next(now); }
-void Drive::answered(TimePoint now, std::size_t axis, DriveAnswer answer) {
+void Drive::answered(TimePoint now, std::size_t axis, Result<std::int32_t> answer) {
   runner_->answered(now, axis, std::move(answer));
 }
 void Drive::stop(DriveFault why) { runner_->stop(std::move(why)); }

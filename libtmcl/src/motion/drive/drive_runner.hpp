@@ -40,7 +40,7 @@ class DriveRunner {
   virtual ~DriveRunner() = default;
 
   DriveStep next(TimePoint now);
-  void answered(TimePoint now, std::size_t axis, DriveAnswer answer);
+  void answered(TimePoint now, std::size_t axis, Result<std::int32_t> answer);
   void stop(DriveFault why) {
     if (!stop_asked_) stop_asked_ = std::move(why);
   }
@@ -53,7 +53,7 @@ class DriveRunner {
     DriveCommand command;
     TimePoint asked{};
     TimePoint ended{};
-    DriveAnswer answer = 0;
+    Result<std::int32_t> answer = 0;
   };
 
   struct Awaiter {
@@ -110,7 +110,7 @@ class DriveRunner {
   Script<Fault> arrive(std::vector<Goal> goals, TimePoint begin, TimePoint limit);
 
   std::vector<KeptSettings> settings_;
-  DriveAnswer answer_ = 0;
+  Result<std::int32_t> answer_ = 0;
   std::vector<Exchange> done_;
   TimePoint now_{};
   TimePoint asked_at_{};

@@ -246,6 +246,6 @@ class CsvReader {
 
 }  // namespace
 
-Reading read_csv(std::string_view text) { return CsvReader().read(text); }
+tl::expected<Path, TextProblems> read_csv(std::string_view text) { return CsvReader().read(text); }
 
 }  // namespace tmcl::plan::path_file

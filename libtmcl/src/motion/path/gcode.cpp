@@ -504,7 +504,7 @@ class Flattener {
 
 }  // namespace
 
-Reading read_gcode(std::string_view text, const Point& start) {
+tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start) {
   ProblemList problems;
   Interpreter interpreter(start, problems);
   for_each_line(text, problems, [&](std::string_view line, std::size_t number) {

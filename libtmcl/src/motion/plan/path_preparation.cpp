@@ -87,8 +87,8 @@ std::optional<PathObjection> objection_to(double position, const PathAxis& axis)
                                                 plain_number(position, 6), describe(*limit), name));
 }
 
-PathResult<PathSource> flattened(const path_file::Reading& path, PathFormat format,
-                                 double tolerance) {
+PathResult<PathSource> flattened(const tl::expected<path_file::Path, TextProblems>& path,
+                                 PathFormat format, double tolerance) {
   if (!path) {
     auto objection = wrong("bad_path", "the path cannot be read");
     objection.problems = path.error();
