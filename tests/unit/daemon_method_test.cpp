@@ -244,6 +244,49 @@ TEST(DaemonRequest, AnyLineIsARequestOrAProperError) {
   EXPECT_GT(requests, 0);  // some damage does no harm
 }
 
+// ---- errors as JSON ----------------------------------------------------------------------------
+
+TEST(DaemonError, HasTheCodeOfItsNameAndOfWhatItAsksFor) {
+  const auto code = [](const Error& error) { return to_json(error).at("code").as_int64(); };
+  const auto of_library = [&](tmcl::Errc of) { return code(call_error(tmcl::not_sent(of, ""))); };
+  EXPECT_EQ(code(failed("parse_error", "")), -32700);
+  EXPECT_EQ(code(failed("line_too_long", "")), -32700);
+  EXPECT_EQ(code(failed("invalid_request", "")), -32600);
+  EXPECT_EQ(code(failed("method_not_found", "")), -32601);
+  EXPECT_EQ(code(failed("internal_error", "")), -32603);
+  EXPECT_EQ(code(failed("too_many_requests", "")), -32001);
+  EXPECT_EQ(code(failed("daemon_ending", "")), -32002);
+  EXPECT_EQ(code(failed("not_stopped", "")), -32000);
+  EXPECT_EQ(code(not_now("moving", "")), -32003);
+  EXPECT_EQ(code(not_now("daemon_ending", "")), -32003) << "to a request by HTTP";
+  EXPECT_EQ(code(param_error("out_of_range", "p", "")), -32602);
+  EXPECT_EQ(code(param_error("moving", "p", "")), -32602);
+  EXPECT_EQ(of_library(tmcl::Errc::bad_argument), -32602);
+  EXPECT_EQ(of_library(tmcl::Errc::beyond_soft_limit), -32602);
+  EXPECT_EQ(of_library(tmcl::Errc::leased), -32003);
+  EXPECT_EQ(of_library(tmcl::Errc::daemon_ending), -32002);
+  EXPECT_EQ(of_library(tmcl::Errc::move_interrupted), -32000);
+  auto of_journey = failed("daemon_ending", "");
+  of_journey.subject["run"] = json::object();
+  EXPECT_EQ(code(of_journey), -32000) << "it had begun";
+}
+
+TEST(DaemonError, IsTheSameForItsClient) {
+  std::vector<Error> all{failed("not_stopped", "m", "h"), failed("daemon_ending", "m"),
+                         not_now("moving", "m"), param_error("unknown_axis", "axis", "m"),
+                         param_error("no_path", "axes", "m")};
+  for (int i = 0; i <= static_cast<int>(tmcl::Errc::out_of_range); ++i)
+    all.push_back(call_error(tmcl::not_sent(static_cast<tmcl::Errc>(i), "m"), "x"));
+  for (const auto& error : all) {
+    const auto read = tmcl::client::error_from_json(to_json(error));
+    EXPECT_EQ(read.kind, error.kind) << error.name;
+    EXPECT_EQ(read.name, error.name);
+    EXPECT_EQ(read.outcome, error.outcome) << error.name;
+    EXPECT_EQ(read.hint, error.hint) << error.name;
+    EXPECT_EQ(read.subject, tmcl::client::without_nulls(error).subject) << error.name;
+  }
+}
+
 // ---- how long an answer is ---------------------------------------------------------------------
 
 std::string request_line(const json::value& id, std::string_view method, json::object params) {
