@@ -9,6 +9,7 @@
 #include "gateway/standing_stop.hpp"
 #include "gateway/store/random_bytes.hpp"
 #include "tmcl/api/lease.hpp"
+#include "tmcl/ensure.hpp"
 
 namespace tmcld {
 namespace {
@@ -106,6 +107,7 @@ const Lease* Leases::find(std::int32_t number) const {
 }
 
 Lease Leases::renew(std::int32_t number, tmcl::Duration ttl) {
+  tmcl::ensure(leases_.contains(number));
   auto& lease = leases_.at(number);
   lease.terms.ttl = ttl;
   lease.expires = clock_.now() + ttl;

@@ -5,6 +5,7 @@
 
 #include "gateway/journey/awaited_run.hpp"
 #include "tmcl/command_type.hpp"
+#include "tmcl/ensure.hpp"
 
 namespace tmcld {
 namespace {
@@ -413,6 +414,8 @@ void Motors::note_claim(AxisAddress motor, ClaimOwner claim_owner) {
 }
 
 Claim Motors::claim(AxisAddress motor, ClaimOwner claim_owner) {
+  // A stop takes the axis away from whatever moves it.
+  tmcl::ensure(claim_owner.by == ClaimKind::stop || claim_owner_of(motor).by == ClaimKind::none);
   const auto of = claim_owner.of;
   note_claim(motor, std::move(claim_owner));
   return {*this, motor, of};

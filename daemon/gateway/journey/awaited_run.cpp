@@ -5,6 +5,7 @@
 
 #include "gateway/standing_stop.hpp"
 #include "tmcl/drive_report.hpp"
+#include "tmcl/ensure.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld {
@@ -40,6 +41,7 @@ std::vector<std::string> AwaitedRun::axis_names() const {
 }
 
 std::vector<std::string> AwaitedRun::unstopped() const {
+  tmcl::ensure(ended_);
   std::vector<std::string> names;
   for (const auto& unstopped : report().unstopped)
     names.push_back(members_[unstopped.axis].axis->name());
@@ -54,6 +56,7 @@ std::string AwaitedRun::text_of(const DriveFault& fault) const {
 
 awaitable<std::optional<tmcl::Error>> AwaitedRun::take_axes() {
   const auto self = std::static_pointer_cast<AwaitedRun>(shared_from_this());
+  tmcl::ensure(!members_.empty());
   const ClaimOwner claim_owner{claim_kind_, members_.front().movement.permit, self};
   auto failure = co_await claim(claim_owner);
   if (failure) co_return failure;

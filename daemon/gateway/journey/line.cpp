@@ -15,6 +15,7 @@
 #include "gateway/journey/drive_run.hpp"
 #include "gateway/standing_stop.hpp"
 #include "tmcl/drive_report.hpp"
+#include "tmcl/ensure.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/plan/line_drive.hpp"
 #include "tmcl/plan/path_preparation.hpp"
@@ -74,6 +75,7 @@ class LineRun final : public DriveRun {
         duration_(order.duration),
         planner_(order.planner),
         on_end_(std::move(order.on_end)) {
+    tmcl::ensure(!order.members.empty() && planner_ != nullptr);
     for (auto& member : order.members) {
       auto movement = member.axis->begin_movement(permit_, order.deadline);
       auto& traffic = traffic_[member.axis->bus().name()];

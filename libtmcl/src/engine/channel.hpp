@@ -11,6 +11,7 @@
 
 #include "engine/call_queue.hpp"
 #include "engine/reply_form.hpp"
+#include "tmcl/ensure.hpp"
 
 namespace tmcl::engine {
 
@@ -38,21 +39,29 @@ class Channel {
   bool has_sent(const Request& request) const { return is_busy() && in_flight_->sent == request; }
 
   /// Of a busy channel.
-  const InFlight& in_flight() const { return *in_flight_; }
-  const ReplyForm& form_of_answer() const { return ReplyForm::of(in_flight_->sent); }
+  const InFlight& in_flight() const {
+    ensure(is_busy());
+    return *in_flight_;
+  }
+  const ReplyForm& form_of_answer() const { return ReplyForm::of(in_flight().sent); }
   bool is_answered_by(const Reply& reply) const {
     return is_busy() && !in_flight_->leaves_ascii &&
            form_of_answer().is_answer(reply, in_flight_->sent);
   }
 
-  void put(InFlight in_flight) { in_flight_ = std::move(in_flight); }
+  void put(InFlight in_flight) {
+    ensure(!is_busy());
+    in_flight_ = std::move(in_flight);
+  }
   InFlight take() {
+    ensure(is_busy());
     auto taken = std::move(*in_flight_);
     in_flight_.reset();
     return taken;
   }
   /// The answer is not awaited any longer than that.
   void shorten(TimePoint deadline) {
+    ensure(is_busy());
     in_flight_->deadline = std::min(in_flight_->deadline, deadline);
   }
   void keep_quiet_until(TimePoint time) { quiet_until_ = std::max(quiet_until_, time); }

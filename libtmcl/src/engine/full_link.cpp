@@ -3,6 +3,7 @@
 
 #include "engine/bus_engine.hpp"
 #include "engine/call_errors.hpp"
+#include "tmcl/ensure.hpp"
 
 namespace tmcl::engine {
 namespace {
@@ -91,7 +92,9 @@ void BusEngine::confirm_last_send() {
   auto& module = modules_.with(request.address);
   auto& channel = modules_.channel_of(module);
   if (!channel.has_sent(request)) return;
-  const auto call = std::move(*channel.take().call);
+  auto sent = channel.take();
+  ensure(sent.call.has_value());
+  const auto call = std::move(*sent.call);
   module.lane.lose_step();
   channel.keep_quiet_until(scheduler_.now() + wire_time_ + options_.quiet_time);
   complete(call, Answer{Reply{options_.host_address, reply_byte(request.address), Status::ok,

@@ -19,12 +19,13 @@
 #pragma once
 
 #include <array>
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string_view>
 #include <tl/expected.hpp>
+
+#include "tmcl/ensure.hpp"
 
 namespace tmcl::plan {
 
@@ -101,7 +102,7 @@ class Trajectory {
   /// In order, none of no duration.
   std::size_t phases() const { return count_; }
   const Phase& phase(std::size_t index) const {
-    assert(index < count_);
+    ensure(index < count_);
     return phases_[index];
   }
 

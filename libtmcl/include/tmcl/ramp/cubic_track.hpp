@@ -7,9 +7,9 @@
 #pragma once
 
 #include <array>
-#include <cassert>
 #include <cstdint>
 
+#include "tmcl/ensure.hpp"
 #include "tmcl/ramp/generator.hpp"
 
 namespace tmcl::ramp {
@@ -109,7 +109,7 @@ struct Profile {
   double end_velocity = 0;
 
   void append(Course course, double duration) {
-    assert(count < most);
+    ensure(count < most);
     ticks[count] = duration;
     courses[count++] = course;
   }

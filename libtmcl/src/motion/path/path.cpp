@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <iterator>
 #include <optional>
 
 #include "motion/solve/arithmetic.hpp"
+#include "tmcl/ensure.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -170,7 +170,7 @@ double PathPlan::share(std::size_t leg, std::size_t axis) const {
 }
 
 AxisRamp PathPlan::ramp(std::size_t leg, std::size_t axis) const {
-  assert(leg < legs_.size() && axis < axes_);
+  ensure(leg < legs_.size() && axis < axes_);
   const auto& plan = legs_[leg];
   const double part = std::abs(share(leg, axis));
   const double acceleration = part * plan.acceleration;

@@ -526,7 +526,7 @@ State Trajectory::at(double t) const {
 
 void Trajectory::append(double duration, double acceleration, double jerk) {
   if (!(duration > 0)) return;
-  assert(count_ < most_phases);
+  ensure(count_ < most_phases);
   auto state = reached();
   state.acceleration = acceleration;
   phases_[count_++] = {duration_, duration, state, jerk};
