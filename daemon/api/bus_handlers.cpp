@@ -127,8 +127,7 @@ Answer<bus::Trace> trace(Call& call, const bus::Trace& params) {
 Answer<bus::Scan> scan(Call& call, const bus::Scan& params) {
   const auto [first, last] = addresses_of(params);
   if (first > last) {
-    co_return tl::unexpected(
-        param_error("out_of_range", api::name_of<&bus::Scan::first>(), "'first' is above 'last'"));
+    co_return param_error<&bus::Scan::first>("out_of_range", "'first' is above 'last'");
   }
   const auto all = call.gateway->buses();
   std::vector<std::shared_ptr<GatewayBus>> buses(all.begin(), all.end());

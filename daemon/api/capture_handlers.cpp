@@ -22,8 +22,8 @@ Result<Trigger> edge_of(const std::string& word) {
   if (word == "rising") return Trigger::rising_signed;
   if (word == "falling") return Trigger::falling_signed;
   if (word == "both") return Trigger::both_signed;
-  return tl::unexpected(param_error("bad_argument", api::name_of<&capture::Start::trigger_edge>(),
-                                    "'" + word + "' is no edge", "say rising, falling or both"));
+  return tl::unexpected(param_error<&capture::Start::trigger_edge>(
+      "bad_argument", "'" + word + "' is no edge", "say rising, falling or both"));
 }
 
 Result<std::optional<tmcl::CaptureTrigger>> trigger_of(const capture::Start& params,
@@ -31,9 +31,8 @@ Result<std::optional<tmcl::CaptureTrigger>> trigger_of(const capture::Start& par
   const auto& parameter = params.trigger_parameter;
   if (!parameter && !params.trigger_edge && !params.trigger_value) return std::nullopt;
   if (!parameter || !params.trigger_edge || !params.trigger_value) {
-    return tl::unexpected(
-        param_error("bad_argument", api::name_of<&capture::Start::trigger_parameter>(),
-                    "'trigger_parameter', 'trigger_edge' and 'trigger_value' go together"));
+    return tl::unexpected(param_error<&capture::Start::trigger_parameter>(
+        "bad_argument", "'trigger_parameter', 'trigger_edge' and 'trigger_value' go together"));
   }
   const auto choice = choice_of(*parameter, axis);
   if (!choice) return tl::unexpected(choice.error());

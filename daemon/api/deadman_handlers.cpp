@@ -23,8 +23,7 @@ std::string fault_of(std::int32_t ms, const GatewayAxis& axis) {
 Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params) {
   const auto axis = co_await must(axis_of(call, params.axis));
   if (const auto fault = fault_of(params.ms, *axis); !fault.empty())
-    co_return tl::unexpected(
-        param_error("out_of_range", api::name_of<&axis::SetDeadman::ms>(), "'ms' " + fault));
+    co_return param_error<&axis::SetDeadman::ms>("out_of_range", "'ms' " + fault);
   co_await must(axis->be_ready(), *axis);
   auto& deadman = axis->module().deadman();
   RunOptions options;

@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "tmcl/api/field.hpp"
 #include "tmcl/client_error.hpp"
 #include "tmcl/error.hpp"
 
@@ -25,6 +27,11 @@ Error failed(std::string_view name, std::string message, std::string hint = {});
 /// It is about one parameter of a call.
 Error param_error(std::string_view name, std::string_view param, std::string message,
                   std::string hint = {});
+/// The same about a member of their struct.
+template <auto member>
+Error param_error(std::string_view name, std::string message, std::string hint = {}) {
+  return param_error(name, tmcl::api::name_of<member>(), std::move(message), std::move(hint));
+}
 
 /// What the library says about a call; what it does not know is null.
 Error call_error(const tmcl::Error& error, std::string_view axis = {});

@@ -27,9 +27,9 @@ struct GlobalChoice {
 Error unknown_global(const std::string& name, std::span<const tmcl::ParameterInfo> rows) {
   std::vector<std::string_view> names;
   for (const auto& row : rows) names.push_back(row.name);
-  return param_error("unknown_parameter", api::name_of<&global::Get::parameter>(),
-                     "there is no global parameter '" + name + "'",
-                     suggest(name, names, "give its number, 0..255"));
+  return param_error<&global::Get::parameter>("unknown_parameter",
+                                              "there is no global parameter '" + name + "'",
+                                              suggest(name, names, "give its number, 0..255"));
 }
 
 /// Which names there are depends on the model, and only bank 0 has any.

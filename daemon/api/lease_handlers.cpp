@@ -49,8 +49,8 @@ Error refusal_of(const Call& call, const tmcl::Error& failure) {
 Result<LeaseTerms> terms_of(const lease::Acquire& params) {
   const auto on_loss = params.on_loss.value_or("stop");
   if (on_loss != "stop" && on_loss != "keep") {
-    return tl::unexpected(param_error("bad_argument", api::name_of<&lease::Acquire::on_loss>(),
-                                      "'on_loss' is stop or keep"));
+    return tl::unexpected(
+        param_error<&lease::Acquire::on_loss>("bad_argument", "'on_loss' is stop or keep"));
   }
   return LeaseTerms{std::chrono::milliseconds(params.ttl_ms.value_or(lease::usual_ttl_ms)),
                     on_loss == "stop"};
@@ -67,13 +67,12 @@ Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params) {
   const auto axes = co_await must(axes_of(call, params.axes));
   auto terms = co_await must(terms_of(params));
   if (axes.empty())
-    co_return tl::unexpected(param_error("bad_argument", api::name_of<&lease::Acquire::axes>(),
-                                         "a lease is of one axis at least"));
+    co_return param_error<&lease::Acquire::axes>("bad_argument", "a lease is of one axis at least");
   auto holder = call.peer->client();
   auto acquired =
       Leases::acquire(call.gateway->leases(), std::move(holder), axes, terms, call.permit);
   const auto result = co_await std::move(acquired);
-  if (!result) co_return tl::unexpected(refusal_of(call, result.error()));
+  if (!result) co_return refusal_of(call, result.error());
   co_return granted(*result);
 }
 
@@ -94,7 +93,7 @@ Answer<lease::Release> release_lease(Call& call, const lease::Release& params) {
   const StopInProgress in_progress(call.gateway);
   const auto stopped = co_await gather(std::move(stops));
   for (std::size_t i = 0; i < stopped.size(); ++i) {
-    if (!stopped[i]) co_return tl::unexpected(call_error(stopped[i].error(), held.axes[i]->name()));
+    if (!stopped[i]) co_return call_error(stopped[i].error(), held.axes[i]->name());
   }
   leases.release(held.number);
   co_return Nothing{};

@@ -19,8 +19,8 @@ Result<std::optional<Duration>> duration_of(std::optional<double> time_s) {
   const std::chrono::duration<double> time(*time_s);
   if (time.count() > 0 && time.count() <= longest_s)
     return std::chrono::duration_cast<Duration>(time);
-  return tl::unexpected(param_error("out_of_range", api::name_of<&line::Move::time_s>(),
-                                    "'time_s' must be greater than 0 and at most 86400"));
+  return tl::unexpected(param_error<&line::Move::time_s>(
+      "out_of_range", "'time_s' must be greater than 0 and at most 86400"));
 }
 
 RawOrQuantity velocity_in(const line::Move& params) {
@@ -69,8 +69,8 @@ Result<std::vector<RawOrQuantity>> positions_of(const line::Move& params) {
 
 Result<Axes> axes_in(const Call& call, const line::Move& params, std::size_t positions) {
   if (params.axes.empty()) {
-    return tl::unexpected(param_error("bad_argument", api::name_of<&line::Move::axes>(),
-                                      "a line is of one axis at least"));
+    return tl::unexpected(
+        param_error<&line::Move::axes>("bad_argument", "a line is of one axis at least"));
   }
   auto axes = axes_of(call, params.axes);
   if (!axes) return axes;

@@ -82,7 +82,7 @@ Task<plan::MintAxis> known_axis(unsigned number, GatewayAxis& axis, bool counts_
   if (reading.state.velocity.value != 0) {
     if (axis.claim_kind() != ClaimKind::none)
       co_await refuse(call_error(axis.claimed(), axis.name()));
-    co_return tl::unexpected(param_error("moving", "axes", axis.name() + " is moving"));
+    co_return param_error("moving", "axes", axis.name() + " is moving");
   }
   plan::MintAxis known{number, {axis.name(), axis.module().model()}, reading.state.position};
   known.units.module = co_await must(axis.module_units(), axis);
@@ -143,7 +143,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
     });
   };
   auto program = co_await planner.plan(std::move(read));
-  if (!program) co_return tl::unexpected(error_of(program.error(), "text"));
+  if (!program) co_return error_of(program.error(), "text");
   begin_journey(call);
   auto members = co_await must(chosen(call, params, program->second));
 
@@ -158,13 +158,13 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
     return plan::plan_mint(once, axes);
   };
   auto planned = co_await planner.plan(std::move(plan_it));
-  if (!planned) co_return tl::unexpected(error_of(planned.error(), "text"));
+  if (!planned) co_return error_of(planned.error(), "text");
   turn.reset();
   place.reset();
   co_await must_not(refusal_to_begin(call));
 
   if (members.members.empty()) {
-    co_return tl::unexpected(param_error("bad_program", "text", "the program moves nothing"));
+    co_return param_error("bad_program", "text", "the program moves nothing");
   }
   call.progress_reporter()(checked(members, *planned));
   const auto executor = co_await boost::asio::this_coro::executor;
@@ -173,7 +173,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   const auto failure = co_await MintRun::pass(run);
   co_await must_not(failure);
   auto ran = view_of(*run);
-  if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(ran)));
+  if (run->report().fault) co_return error_of(*run, api::to_json(ran));
   co_return ran;
 }
 

@@ -16,9 +16,8 @@ Result<tmcl::Command> command_of(const api::NameOrNumber& given) {
   std::vector<std::string_view> names;
   for (const auto& row : tmcl::command_table()) names.push_back(row.name);
   constexpr auto otherwise = "give a TMCL mnemonic such as GAP, or a number 0..255";
-  return tl::unexpected(param_error("unknown_command", api::name_of<&module::Execute::command>(),
-                                    "there is no command '" + text + "'",
-                                    suggest(text, names, otherwise)));
+  return tl::unexpected(param_error<&module::Execute::command>(
+      "unknown_command", "there is no command '" + text + "'", suggest(text, names, otherwise)));
 }
 
 Result<std::uint8_t> type_of(const api::NameOrNumber& given, tmcl::Command command) {
@@ -26,9 +25,9 @@ Result<std::uint8_t> type_of(const api::NameOrNumber& given, tmcl::Command comma
     return static_cast<std::uint8_t>(*number);
   const auto& text = std::get<std::string>(given.said);
   if (const auto type = tmcl::parse_subtype(command, text)) return *type;
-  return tl::unexpected(param_error(
-      "bad_argument", api::name_of<&module::Execute::type>(),
-      std::string(tmcl::name_of(command)) + " has no type '" + text + "'", "give its number"));
+  return tl::unexpected(param_error<&module::Execute::type>(
+      "bad_argument", std::string(tmcl::name_of(command)) + " has no type '" + text + "'",
+      "give its number"));
 }
 
 Result<tmcl::Request> request_of(const module::Execute& params) {

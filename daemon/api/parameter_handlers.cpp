@@ -38,8 +38,8 @@ boost::asio::awaitable<parameter::Value> to_result(GatewayAxis& axis, ParameterC
 
 std::optional<Error> check_write(const ParameterChoice& choice) {
   if (choice.row == nullptr || choice.row->access != tmcl::Access::read) return std::nullopt;
-  return param_error("read_only", api::name_of<&parameter::Set::parameter>(),
-                     "'" + std::string(choice.row->name) + "' can only be read");
+  return param_error<&parameter::Set::parameter>(
+      "read_only", "'" + std::string(choice.row->name) + "' can only be read");
 }
 
 using ParameterVerb = GatewayAxis::Awaitable<void> (GatewayAxis::*)(std::uint8_t, RunOptions);

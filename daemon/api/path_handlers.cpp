@@ -156,7 +156,7 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
     const auto facts = co_await must(facts_of(axis, source.path.axes[i]), axis);
     // It does not move by itself, and will not soon be free.
     if (facts.moving && axis.claim_kind() != ClaimKind::none)
-      co_return tl::unexpected(call_error(axis.claimed(), axis.name()));
+      co_return call_error(axis.claimed(), axis.name());
     auto made = plan::path_axis(source, facts, request);
     if (!made) {
       auto error = error_of(made.error(), "axes");
@@ -183,8 +183,8 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   const auto request = co_await must(request_of(params));
   // Before the text is read, which may take a while.
   if (!with_namesakes && !params.axes) {
-    co_return tl::unexpected(
-        param_error("bad_argument", "axes", "path.run needs the parameter 'axes', or a 'plan'"));
+    co_return param_error("bad_argument", "axes",
+                          "path.run needs the parameter 'axes', or a 'plan'");
   }
   co_await must(named_axes(call, params));
   auto given = co_await must(text_of(call, params));
@@ -199,12 +199,12 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
     return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance);
   };
   auto source = co_await planner.plan(std::move(read));
-  if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
+  if (!source) co_return error_of(source.error(), "text");
   auto axes = co_await must(axes_for(call, params, *source, with_namesakes));
   auto known = co_await must(path_axes(*source, axes, request, call.permit));
 
   const auto feed = feed_of(known);
-  if (!feed) co_return tl::unexpected(error_of(feed.error(), "feed"));
+  if (!feed) co_return error_of(feed.error(), "feed");
   const plan::PathSource names{source->format, {source->path.axes, {}}};
   auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
                   look = std::move(look)]() mutable {
@@ -217,9 +217,9 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
     return course;
   };
   auto course = co_await planner.plan(std::move(plan_it));
-  if (!course) co_return tl::unexpected(error_of(course.error(), "text"));
+  if (!course) co_return error_of(course.error(), "text");
   if (const auto objection = objection_to_reach(*course, known))
-    co_return tl::unexpected(error_of(*objection, "text"));
+    co_return error_of(*objection, "text");
   PlannedPath planned{0, request, names, std::move(axes), std::move(known), std::move(*course)};
   co_return planned;
 }
@@ -231,23 +231,23 @@ Task<PlannedPath> planned_before(const Call& call, const path::Run& params) {
   if (params.text) other = api::name_of<&OfPath::text>();
   if (params.axes) other = api::name_of<&OfPath::axes>();
   if (!other.empty()) {
-    co_return tl::unexpected(param_error(
-        "bad_argument", other, "give 'plan' alone; it has all that the path was planned with"));
+    co_return param_error("bad_argument", other,
+                          "give 'plan' alone; it has all that the path was planned with");
   }
   auto& kept = call.gateway->planned_path;
   if (!kept || kept->number != *params.plan) {
-    co_return tl::unexpected(param_error("no_plan", "plan", "there is no such plan any more",
-                                         "plan the path again: the daemon keeps one, and runs it "
-                                         "once"));
+    co_return param_error("no_plan", "plan", "there is no such plan any more",
+                          "plan the path again: the daemon keeps one, and runs it "
+                          "once");
   }
   auto planned = std::move(*std::exchange(kept, nullptr));
   auto known = co_await must(path_axes(planned.source, planned.axes, planned.request, call.permit));
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (moves_alike(known[i], planned.known[i])) continue;
-    co_return tl::unexpected(param_error(
+    co_return param_error(
         "no_plan", "plan",
         "settings of " + planned.axes[i]->name() + " have changed since the path was planned",
-        "plan it again"));
+        "plan it again");
   }
   planned.known = std::move(known);
   co_return planned;
@@ -408,7 +408,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   co_await must_not(failure);
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));
   auto passage = passage_of(*run, planned.request.tolerance);
-  if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(passage)));
+  if (run->report().fault) co_return error_of(*run, api::to_json(passage));
   if (const auto by = passage.tolerance_exceeded_by)
     warnings.push_back(tolerance_warning(planned.request.tolerance, *by));
   co_return path::Passed{std::move(passage), std::move(warnings)};

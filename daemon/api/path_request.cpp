@@ -13,8 +13,8 @@ using api::path::OfPath;
 Result<plan::StreamMode> mode_of(const OfPath& params) {
   const auto mode = plan::stream_mode_named(params.mode.value_or("velocity"));
   if (mode) return *mode;
-  return tl::unexpected(param_error("bad_argument", api::name_of<&OfPath::mode>(),
-                                    "'mode' must be 'velocity', 'segments' or 'position'"));
+  return tl::unexpected(param_error<&OfPath::mode>(
+      "bad_argument", "'mode' must be 'velocity', 'segments' or 'position'"));
 }
 
 Result<double> in_range(double value, std::string_view param) {
@@ -92,8 +92,8 @@ Result<std::optional<plan::PathFormat>> format_in(const OfPath& params) {
   for (const auto format : {plan::PathFormat::csv, plan::PathFormat::gcode}) {
     if (*params.format == name_of(format)) return format;
   }
-  return tl::unexpected(param_error("bad_argument", api::name_of<&OfPath::format>(),
-                                    "'format' must be 'csv' or 'gcode'"));
+  return tl::unexpected(
+      param_error<&OfPath::format>("bad_argument", "'format' must be 'csv' or 'gcode'"));
 }
 
 }  // namespace tmcld

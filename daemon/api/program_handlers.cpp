@@ -10,8 +10,7 @@ using tmcl::program::Program;
 
 Result<Program> program_of(const std::string& text) {
   return tmcl::program::from_hex(text).map_error([](const std::string& problem) {
-    return param_error("bad_argument", api::name_of<&program::Load::program>(),
-                       "'program': " + problem);
+    return param_error<&program::Load::program>("bad_argument", "'program': " + problem);
   });
 }
 

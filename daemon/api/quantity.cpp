@@ -72,10 +72,10 @@ Task<AxisUnits> units_for(GatewayAxis& axis, std::string_view param, const Quant
   if (!is_in_microsteps(quantity)) {
     auto scale = co_await must(axis.scale(), axis);
     if (!scale) {
-      co_return tl::unexpected(param_error(
+      co_return param_error(
           "bad_argument", param,
           "the module of axis " + quoted(axis.name()) + " does not tell its microstep resolution",
-          "the configuration can: 'microsteps'"));
+          "the configuration can: 'microsteps'");
     }
     units.scale = std::move(scale);
   }
@@ -94,13 +94,12 @@ Task<ParsedRate<Value>> rate_of(GatewayAxis& axis, RawOrQuantity either, Dimensi
   auto rate_said = co_await must(parse_amount(either, axis, dimension, plain_unit));
   auto& [param, said] = rate_said;
   if (!(said.number > 0)) {
-    co_return tl::unexpected(
-        param_error("out_of_range", param, quoted(param) + " must be greater than 0"));
+    co_return param_error("out_of_range", param, quoted(param) + " must be greater than 0");
   }
   auto units = co_await must(units_for(axis, param, said, dimension));
   auto undirected = units.undirected();
   const auto rate = in_pulses(said, undirected);
-  if (!rate) co_return tl::unexpected(quantity_error(param, rate.error()));
+  if (!rate) co_return quantity_error(param, rate.error());
   co_return ParsedRate<Value>{*rate, param, std::move(said), std::move(undirected)};
 }
 
@@ -118,7 +117,7 @@ Task<std::optional<Value>> limit_of(GatewayAxis& axis, RawOrQuantity either, Dim
   auto fits = to_parameter(limit.quantity, limit.units, *row);
   if (fits) co_return limit.in_pulses;
   fits.error().message = "axis " + quoted(axis.name()) + ": " + fits.error().message;
-  co_return tl::unexpected(quantity_error(limit.param, fits.error()));
+  co_return quantity_error(limit.param, fits.error());
 }
 
 }  // namespace
@@ -183,10 +182,9 @@ Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said)
   const auto quantity = co_await must(jerk_quantity_of(said, axis));
   const auto units = co_await must(units_for(axis, jerk_param, quantity));
   const auto jerk = tmcl::to_pps3(quantity, units.undirected());
-  if (!jerk) co_return tl::unexpected(quantity_error(jerk_param, jerk.error()));
+  if (!jerk) co_return quantity_error(jerk_param, jerk.error());
   if (jerk->value > 0) co_return *jerk;
-  co_return tl::unexpected(
-      param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0"));
+  co_return param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0");
 }
 
 Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity either,
@@ -200,7 +198,7 @@ Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity either,
   if (!value && row != nullptr) {
     co_await must_not(objection_by_limits(axis, param, quantity, units));
   }
-  if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
+  if (!value) co_return quantity_error(param, value.error());
   co_await must_not(check_range(row, value->value, param));
   ParsedLength length{*value};
   if (const auto own = in_own_unit(quantity, units)) length.in_unit = tmcl::UserPosition{*own};
@@ -265,12 +263,11 @@ Task<ModuleValue> value_of(GatewayAxis& axis, RawOrQuantity either, Dimension di
   const auto said = co_await must(parse_amount(either, axis, dimension));
   const auto& [param, quantity] = said;
   const bool has_unit = choice.row != nullptr && dimension != Dimension::other;
-  if (either.amount && !has_unit) co_return tl::unexpected(has_no_unit(choice, either, quantity));
+  if (either.amount && !has_unit) co_return has_no_unit(choice, either, quantity);
   auto units = co_await must(units_for(axis, param, quantity));
   const bool is_bare = quantity.unit.empty();
   const bool is_rate = dimension != Dimension::position && dimension_of(quantity) == dimension;
-  if (!is_bare && is_rate && !units.module)
-    co_return tl::unexpected(has_no_unit(choice, either, quantity));
+  if (!is_bare && is_rate && !units.module) co_return has_no_unit(choice, either, quantity);
   const auto as_number = [](tmcl::Microsteps count) { return count.value; };
   const auto value = is_bare ? to_microsteps(quantity, units).map(as_number)
                              : to_parameter(quantity, units, *choice.row);
@@ -282,7 +279,7 @@ Task<ModuleValue> value_of(GatewayAxis& axis, RawOrQuantity either, Dimension di
       error.hint =
           "its pulse and ramp divisors allow no more; axis.set_ramp, or 'ramp' on the command "
           "line, chooses others";
-    co_return tl::unexpected(quantity_error(param, error));
+    co_return quantity_error(param, error);
   }
   co_await must_not(check_range(is_bare ? choice.row : nullptr, *value, param));
   co_return ModuleValue{*value, std::move(units)};

@@ -41,8 +41,7 @@ struct ChosenRamp {
 /// Nothing: as it is.
 Task<std::optional<double>> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params) {
   if (params.jerk && params.bow) {
-    co_return tl::unexpected(
-        param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both"));
+    co_return param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both");
   }
   if (params.bow) co_return tmcl::to_pps3(*params.bow).value;
   if (!params.jerk) co_return std::nullopt;
@@ -128,10 +127,9 @@ Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
   const auto* model = axis.module().model();
   const auto units = co_await must(axis.module_units(), axis);
   if (model == nullptr || !units) {
-    co_return tl::unexpected(
-        param_error("unknown_model", api::name_of<&axis::OfRamp::axis>(),
-                    "the model of axis " + axis.name() +
-                        " is not known, so what its parameters mean is not, either"));
+    co_return param_error<&axis::OfRamp::axis>(
+        "unknown_model", "the model of axis " + axis.name() +
+                             " is not known, so what its parameters mean is not, either");
   }
   auto wish = co_await must(wish_of(axis, params));
   co_await must_not(jerk_refusal(axis, params, *model, wish.request.jerk));
@@ -140,7 +138,7 @@ Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
     wish.request.bow = bow;
   }
   auto choice = plan::choose_ramp(*model, wish.request, *units);
-  if (!choice) co_return tl::unexpected(too_far(choice.error(), wish));
+  if (!choice) co_return too_far(choice.error(), wish);
   auto warnings = foreseen(*choice, *model);
   co_return ChosenRamp{model, std::move(*choice), std::move(warnings)};
 }
@@ -232,8 +230,8 @@ Task<void> write_all(GatewayAxis& axis, const std::vector<Setting>& settings,
 }
 
 Error not_foreseeable(const GatewayAxis& axis, const std::string& why) {
-  return param_error("not_foreseeable", api::name_of<&axis::GetRamp::axis>(),
-                     "how " + axis.name() + " will move cannot be foreseen: " + why);
+  return param_error<&axis::GetRamp::axis>(
+      "not_foreseeable", "how " + axis.name() + " will move cannot be foreseen: " + why);
 }
 
 }  // namespace
@@ -243,17 +241,15 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   auto& axis = *found;
   co_await must(axis.be_ready(), axis);
   const auto* model = axis.module().model();
-  if (model == nullptr)
-    co_return tl::unexpected(not_foreseeable(axis, "the model of its module is not known"));
+  if (model == nullptr) co_return not_foreseeable(axis, "the model of its module is not known");
   const auto twin = co_await must(axis.twin({}), axis);
   if (!twin) {
-    co_return tl::unexpected(
-        not_foreseeable(axis, "the ramps of a " + std::string(model->name) + " are not described"));
+    co_return not_foreseeable(axis,
+                              "the ramps of a " + std::string(model->name) + " are not described");
   }
   const auto motion = twin->motion();
   // Where it is when a command comes could only be guessed.
-  if (motion.velocity.value != 0)
-    co_return tl::unexpected(not_foreseeable(axis, "it moves already"));
+  if (motion.velocity.value != 0) co_return not_foreseeable(axis, "it moves already");
   co_return axis::HeldRamp{std::string(model->name), motion.position.value,
                            view_of(axis.ramp_settings(), axis), view_of(axis.module().traits())};
 }

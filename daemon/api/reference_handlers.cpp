@@ -28,9 +28,9 @@ Task<SearchLimit> limit_of_search(GatewayAxis& axis, const Params& params) {
   const auto microsteps = travel.microsteps.value;
   const bool is_distance = travel.in_unit ? travel.in_unit->value > 0 : microsteps > 0;
   if (microsteps == 0 || !is_distance)
-    co_return tl::unexpected(param_error(
-        "out_of_range", said.amount_name, "the way that a search may go is greater than 0",
-        "it is the same in both directions: say it without a sign"));
+    co_return param_error("out_of_range", said.amount_name,
+                          "the way that a search may go is greater than 0",
+                          "it is the same in both directions: say it without a sign");
   co_return SearchLimit{Microsteps{std::abs(microsteps)}};
 }
 
@@ -101,7 +101,7 @@ Answer<axis::Home> home(Call& call, const axis::Home& params) {
                        homed.error().outcome != tmcl::Outcome::not_sent;
   if (is_late && !params.leave.value_or(false))
     co_await end_late_search(call, ready.axis, homed.error());
-  if (!homed) co_return tl::unexpected(call_error(homed.error(), axis.name()));
+  if (!homed) co_return call_error(homed.error(), axis.name());
   auto correction = co_await in_unit(axis, homed->correction);
   const auto distance = co_await in_unit(axis, homed->switch_distance);
   axis::HomedAxis result{if_known(homed->correction),

@@ -20,11 +20,11 @@ Result<std::vector<std::uint8_t>> bytes_of(const Call& call, const Part& part,
   const auto held = buffer_for(call, staged).size_for(call.peer);
   const auto offset = static_cast<std::size_t>(part.offset);
   if (offset != 0 && offset != held) {
-    return tl::unexpected(param_error("bad_argument", api::name_of<&api::firmware::Stage::offset>(),
-                                      held_by_client(staged, held) +
-                                          ", so these cannot be those from " +
-                                          std::to_string(offset) + " on",
-                                      "begin again with offset 0"));
+    return tl::unexpected(param_error<&api::firmware::Stage::offset>(
+        "bad_argument",
+        held_by_client(staged, held) + ", so these cannot be those from " + std::to_string(offset) +
+            " on",
+        "begin again with offset 0"));
   }
   constexpr auto data = api::name_of<&api::firmware::Stage::data>();
   auto bytes = tmcl::from_hex(part.data);
@@ -51,10 +51,9 @@ Result<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& st
   auto& buffer = buffer_for(call, staged);
   const auto held = buffer.size_for(call.peer);
   if (held == bytes) return buffer.take();
-  return tl::unexpected(
-      param_error("bad_argument", api::name_of<&api::path::Run::bytes>(),
-                  held_by_client(staged, held) + ", and not " + std::to_string(bytes),
-                  "hand it over by " + std::string(staged.method) + ", all of it, right before"));
+  return tl::unexpected(param_error<&api::path::Run::bytes>(
+      "bad_argument", held_by_client(staged, held) + ", and not " + std::to_string(bytes),
+      "hand it over by " + std::string(staged.method) + ", all of it, right before"));
 }
 
 }  // namespace tmcld

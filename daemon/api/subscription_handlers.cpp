@@ -62,10 +62,10 @@ Answer<Subscribe> subscribe(Call& call, const Subscribe& params) {
 Answer<Unsubscribe> unsubscribe(Call& call, const Unsubscribe& params) {
   if (call.peer->subscriptions().remove(static_cast<std::uint64_t>(params.subscription)))
     co_return Nothing{};
-  co_return tl::unexpected(
-      param_error("unknown_subscription", api::name_of<&Unsubscribe::subscription>(),
-                  "this connection has no subscription " + std::to_string(params.subscription),
-                  "subscriptions end with their connection"));
+  co_return param_error<&Unsubscribe::subscription>(
+      "unknown_subscription",
+      "this connection has no subscription " + std::to_string(params.subscription),
+      "subscriptions end with their connection");
 }
 
 }  // namespace tmcld::handlers

@@ -178,6 +178,7 @@ struct TaskResult : TaskPromiseBase {
       error = std::move(result.error());
     }
   }
+  void return_value(Error refusal) { error = std::move(refusal); }
 };
 template <>
 struct TaskResult<void> : TaskPromiseBase {

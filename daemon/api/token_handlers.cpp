@@ -34,15 +34,13 @@ std::optional<Error> objection(const Call& call) {
 Result<Role> role_of(const token::Add& params) {
   const auto found = std::ranges::find(roles, params.role);
   if (found != roles.end()) return static_cast<Role>(found - roles.begin() + 1);
-  return tl::unexpected(param_error("bad_argument", api::name_of<&token::Add::role>(),
-                                    "'role' is observe, operate or configure",
-                                    suggest(params.role, roles)));
+  return tl::unexpected(param_error<&token::Add::role>(
+      "bad_argument", "'role' is observe, operate or configure", suggest(params.role, roles)));
 }
 
 Result<std::string> name_of(const token::Add& params, const tmcld::Tokens& tokens) {
   const auto refuse = [](std::string message) {
-    return tl::unexpected(
-        param_error("bad_argument", api::name_of<&token::Add::name>(), std::move(message)));
+    return tl::unexpected(param_error<&token::Add::name>("bad_argument", std::move(message)));
   };
   if (tokens.all().size() >= most_tokens)
     return refuse("there are " + std::to_string(most_tokens) +
@@ -71,7 +69,7 @@ Answer<token::Add> add_token(Call& call, const token::Add& params) {
   const auto failure = co_await tmcld::Tokens::write(tokens);
   if (failure.empty()) co_return token::Added{name, params.role, std::move(secret)};
   tokens->remove(name);
-  co_return tl::unexpected(not_kept(failure, "the token was not made"));
+  co_return not_kept(failure, "the token was not made");
 }
 
 Answer<token::List> list_tokens(Call& call, const token::List&) {
@@ -88,15 +86,14 @@ Answer<token::Revoke> revoke_token(Call& call, const token::Revoke& params) {
   if (tokens->find(params.name) == nullptr) {
     std::vector<std::string_view> names;
     for (const auto& one : tokens->all()) names.push_back(one.name);
-    co_return tl::unexpected(param_error("bad_argument", api::name_of<&token::Revoke::name>(),
-                                         "there is no token '" + params.name + "'",
-                                         suggest(params.name, names, "token.list shows them")));
+    co_return param_error<&token::Revoke::name>(
+        "bad_argument", "there is no token '" + params.name + "'",
+        suggest(params.name, names, "token.list shows them"));
   }
   tokens->remove(params.name);
   const auto failure = co_await tmcld::Tokens::write(tokens);
   if (failure.empty()) co_return Nothing{};
-  co_return tl::unexpected(
-      not_kept(failure, "it is revoked, but would be good again if tmcld were started again"));
+  co_return not_kept(failure, "it is revoked, but would be good again if tmcld were started again");
 }
 
 }  // namespace tmcld::handlers

@@ -19,17 +19,16 @@ Task<Travel> travel_of(GatewayAxis& axis, const axis::Verify& params) {
   const bool has_to = to.plain || to.amount;
   if (!has_from && !has_to) co_return Travel{};
   if (has_from != has_to)
-    co_return tl::unexpected(
-        param_error("bad_argument", has_from ? "to" : "from", "'from' and 'to' go together"));
+    co_return param_error("bad_argument", has_from ? "to" : "from", "'from' and 'to' go together");
   const auto least = co_await must(length_of(axis, from, nullptr));
   const auto greatest = co_await must(length_of(axis, to, nullptr));
   // An axis may count the other way round.
   const auto [low, high] = std::minmax(least.microsteps.value, greatest.microsteps.value);
   if (low <= 0 && high >= 0 && low < high) co_return Travel{{low, high}};
-  co_return tl::unexpected(param_error("out_of_range", "from",
-                                       "the axis must be within its travel: 'from' is 0 or less, "
-                                       "'to' is 0 or more",
-                                       "both count from where it stands, such as -2mm..2mm"));
+  co_return param_error("out_of_range", "from",
+                        "the axis must be within its travel: 'from' is 0 or less, "
+                        "'to' is 0 or more",
+                        "both count from where it stands, such as -2mm..2mm");
 }
 
 axis::VerifiedTrait view_of(const tmcl::TraitFinding& finding) {
@@ -64,9 +63,8 @@ Answer<axis::Verify> verify(Call& call, const axis::Verify& params) {
   co_await must(axis->be_ready(), *axis);
   const auto travel = co_await must(travel_of(*axis, params));
   if (!travel && !axis->soft_limits()) {
-    co_return tl::unexpected(
-        param_error("bad_argument", "from", "axis '" + axis->name() + "' has no soft limits",
-                    "say how far it may go from where it stands, such as --travel -2mm..2mm"));
+    co_return param_error("bad_argument", "from", "axis '" + axis->name() + "' has no soft limits",
+                          "say how far it may go from where it stands, such as --travel -2mm..2mm");
   }
   VerificationRequest request{travel, call.peer->client(), call.permit, {}};
   request.tell = [reporter = call.progress_reporter(),
