@@ -7,9 +7,9 @@
 #include <regex>
 #include <set>
 
+#include "command_line/verb_info.hpp"
 #include "support/intel_hex.hpp"
 #include "system/tmclctl_bench.hpp"
-#include "verb_table.hpp"
 
 namespace tmcl::test {
 namespace {

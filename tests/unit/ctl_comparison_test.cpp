@@ -2,10 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "axis/prediction_text.hpp"
 #include "ctl_fixture.hpp"
 #include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
-#include "prediction_text.hpp"
 
 namespace tmclctl::plot {
 namespace {

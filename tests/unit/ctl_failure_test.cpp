@@ -4,8 +4,8 @@
 
 #include <boost/json.hpp>
 
-#include "axis_names.hpp"
-#include "errors.hpp"
+#include "axis/axis_names.hpp"
+#include "output/errors.hpp"
 
 namespace tmclctl {
 namespace {

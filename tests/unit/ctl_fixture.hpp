@@ -13,15 +13,15 @@
 
 #include <boost/json.hpp>
 
-#include "axis_names.hpp"
-#include "quantity_text.hpp"
+#include "axis/axis_names.hpp"
+#include "axis/quantity_text.hpp"
+#include "command_line/tmclctl.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/hex.hpp"
-#include "tmclctl.hpp"
-#include "verbs.hpp"
+#include "verbs/verbs.hpp"
 
 namespace tmclctl {
 

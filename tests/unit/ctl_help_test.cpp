@@ -6,8 +6,8 @@
 #include <set>
 #include <sstream>
 
-#include "method_words.hpp"
-#include "options.hpp"
+#include "command_line/method_words.hpp"
+#include "command_line/options.hpp"
 
 namespace tmclctl {
 namespace {

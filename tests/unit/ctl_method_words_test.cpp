@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "api/method.hpp"
-#include "errors.hpp"
-#include "method_words.hpp"
-#include "options.hpp"
+#include "command_line/method_words.hpp"
+#include "command_line/options.hpp"
+#include "output/errors.hpp"
 
 namespace tmclctl {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "options.hpp"
+#include "command_line/options.hpp"
 #include "support/build_paths.hpp"
 
 namespace tmclctl {
@@ -20,7 +20,7 @@ template <class Verb>
 Verb parsed(const Words& words) {
   const auto result = parse_options(words);
   if (!result) throw std::runtime_error(error_text(result.error()));
-  return std::get<Verb>(std::get<Options>(*result).verb);
+  return std::any_cast<Verb>(std::get<Options>(*result).verb.said);
 }
 
 Error failure(const Words& words) {

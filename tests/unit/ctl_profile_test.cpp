@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "command_line/options.hpp"
 #include "ctl_fixture.hpp"
-#include "options.hpp"
 #include "profile/player.hpp"
 #include "profile/setup.hpp"
 #include "support/build_paths.hpp"

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "command_line/options.hpp"
 #include "ctl_fixture.hpp"
-#include "options.hpp"
 #include "support/build_paths.hpp"
 
 namespace tmclctl {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "axis/readings.hpp"
 #include "ctl_fixture.hpp"
-#include "readings.hpp"
 #include "tmcl/api/system.hpp"
 
 namespace tmclctl::test {

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "command_line/options.hpp"
 #include "ctl_fixture.hpp"
-#include "options.hpp"
 #include "profile/known_values.hpp"
 #include "tmcl/plan/profile.hpp"
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "axis_rows.hpp"
+#include "axis/axis_rows.hpp"
 #include "ctl_fixture.hpp"
 
 namespace tmclctl::test {

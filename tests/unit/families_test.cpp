@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "axis_names.hpp"
+#include "axis/axis_names.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/ramp/sixpoint.hpp"

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <vector>
 
-#include "exit_code.hpp"
-#include "port_choice.hpp"
+#include "command_line/exit_code.hpp"
+#include "connection/port_choice.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/link.hpp"
 

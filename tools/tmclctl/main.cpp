@@ -1,11 +1,11 @@
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <iostream>
 #include <string>
 #include <vector>
 
-#include "tmclctl.hpp"
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "command_line/tmclctl.hpp"
 
 namespace {
 

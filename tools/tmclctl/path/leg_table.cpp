@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "json_read.hpp"
-#include "print.hpp"
+#include "connection/json_read.hpp"
+#include "output/print.hpp"
 #include "tmcl/plain_number.hpp"
 
 namespace tmclctl::path {

@@ -8,7 +8,7 @@
 
 #include <boost/json/array.hpp>
 
-#include "screen.hpp"
+#include "output/screen.hpp"
 #include "tmcl/plan/course.hpp"
 
 namespace tmclctl::path {

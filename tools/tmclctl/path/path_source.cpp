@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "input_file.hpp"
-#include "output_file.hpp"
+#include "command_line/input_file.hpp"
+#include "command_line/text_problems.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
 #include "plot/plane.hpp"
-#include "print.hpp"
-#include "text_problems.hpp"
 #include "tmcl/plain_number.hpp"
 
 namespace tmclctl::path {

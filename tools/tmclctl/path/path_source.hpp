@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "errors.hpp"
-#include "screen.hpp"
-#include "staging.hpp"
+#include "connection/staging.hpp"
+#include "output/errors.hpp"
+#include "output/screen.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 

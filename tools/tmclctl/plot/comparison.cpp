@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "quantity_text.hpp"
+#include "axis/quantity_text.hpp"
 
 namespace tmclctl::plot {
 namespace {

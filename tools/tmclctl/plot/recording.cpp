@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "quantity_text.hpp"
+#include "axis/quantity_text.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/utc_text.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "output/screen.hpp"
 #include "plot/picture.hpp"
-#include "screen.hpp"
 
 namespace tmclctl::plot {
 

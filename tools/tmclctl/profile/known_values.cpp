@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "options/form.hpp"
+#include "command_line/form.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclctl::profile {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "errors.hpp"
+#include "output/errors.hpp"
 #include "tmcl/plan/profile.hpp"
 
 namespace tmclctl::profile {

@@ -1,7 +1,7 @@
 /// What `profile simulate` is asked for, checked against the registers of the generator.
 #pragma once
 
-#include "options.hpp"
+#include "command_line/options.hpp"
 #include "profile/generators.hpp"
 
 namespace tmclctl::profile {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "errors.hpp"
+#include "output/errors.hpp"
 #include "tmcl/ramp/generator.hpp"
 
 namespace tmclctl::profile {

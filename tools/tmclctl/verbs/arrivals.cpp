@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "print.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/system.hpp"
 #include "verbs.hpp"
 
@@ -55,8 +55,6 @@ Result<void> subscribe_arrivals(const api::OnModule& module, const api::module::
   return {};
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Arrivals& verb, Context& context) {
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
@@ -89,6 +87,36 @@ Result<ExitCode> run(const verb::Arrivals& verb, Context& context) {
   const auto heard = subscribe_arrivals(*named, ask, note, context);
   if (!heard && context.host.signal() == 0) return tl::unexpected(heard.error());
   return ExitCode::done;
+}
+
+constexpr std::uint8_t last_motor_to_tell = 30;
+
+constexpr const char* arrivals_help = R"(
+Asks the module to tell whenever one of these motors reaches the target of a move that starts from
+now on, and shows that until Ctrl-C or the end of --for; with --next until each has arrived once. The
+module goes on telling then: --off ends that. With --json, one document a line.
+
+  tmclctl arrivals 1 0 1 2
+  tmclctl arrivals 1 0 --next
+  tmclctl arrivals 1 --off
+)";
+
+}  // namespace
+
+void add_arrivals(Grammar& grammar) {
+  auto arrivals = grammar.verb<verb::Arrivals>(
+      "arrivals", access::tells, "Let a module tell when motors arrive", arrivals_help, run);
+  arrivals.module(arrivals->module);
+  arrivals.words("MOTOR", "One or more", numbers(arrivals->motors, 0, last_motor_to_tell));
+  arrivals.flag("--next", "Only of the next move of each", arrivals->next);
+  arrivals.flag("--off", "Let it tell no more", arrivals->off);
+  arrivals.option("--for", "SECONDS", "End after so long",
+                  number(arrivals->for_s, shortest_time_s, longest_time_s));
+  arrivals.object([](const verb::Arrivals& said, bool) {
+    if (!said.off) return said.motors.empty() ? "name at least one motor, or say --off" : "";
+    const bool says_more = !said.motors.empty() || said.next || said.for_s;
+    return says_more ? "--off goes with nothing else" : "";
+  });
 }
 
 }  // namespace tmclctl

@@ -1,17 +1,23 @@
 // Whatever is one method of tmcld.
+#include "ask.hpp"
+
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 
-#include "axis_names.hpp"
-#include "json_read.hpp"
-#include "print.hpp"
+#include "axis/axis_names.hpp"
+#include "connection/json_read.hpp"
+#include "output/print.hpp"
 #include "tmcl/json_text.hpp"
 #include "tmcl/plain_number.hpp"
-#include "verbs.hpp"
 
 namespace tmclctl {
+
+bool only_reads(std::string_view method) {
+  return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status");
+}
+
 namespace {
 
 namespace json = boost::json;
@@ -151,12 +157,6 @@ json::object named(const verb::Ask& verb, json::object result) {
   return result;
 }
 
-}  // namespace
-
-bool only_reads(std::string_view method) {
-  return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status");
-}
-
 Result<ExitCode> run(const verb::Ask& verb, Context& context) {
   auto params = params_of(verb, context);
   if (!params) return tl::unexpected(params.error());
@@ -170,6 +170,26 @@ Result<ExitCode> run(const verb::Ask& verb, Context& context) {
     tell(verb, *result, context);
   }
   return ExitCode::done;
+}
+
+}  // namespace
+
+AskForm ask(Grammar& grammar, const Form& group, const std::string& name, const Access& access,
+            const char* method, const std::string& description, const char* footer) {
+  auto form = grammar.verb<verb::Ask>(group, name, access, description, footer, run);
+  form->method = method;
+  return form;
+}
+
+AskForm ask(Grammar& grammar, const std::string& name, const Access& access, const char* method,
+            const std::string& description, const char* footer) {
+  auto form = grammar.verb<verb::Ask>(name, access, description, footer, run);
+  form->method = method;
+  return form;
+}
+
+void add_parameter(AskForm& form) {
+  form.word("PARAM", "Number or standard name", text(form->parameter));
 }
 
 }  // namespace tmclctl

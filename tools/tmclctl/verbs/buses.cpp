@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "print.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/datagram.hpp"
 #include "verbs.hpp"
@@ -67,8 +67,6 @@ void print(const std::vector<Row>& rows, Output& output) {
   }
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Buses& verb, Context& context) {
   const auto first = context.call(api::bus::List{});
   if (!first) return tl::unexpected(first.error());
@@ -90,6 +88,29 @@ Result<ExitCode> run(const verb::Buses& verb, Context& context) {
   for (const auto& row : rows) buses.push_back(to_json(row));
   print_json({{"buses", std::move(buses)}}, context.output);
   return ExitCode::done;
+}
+
+constexpr double shortest_load_s = 0.1;
+
+constexpr const char* buses_help = R"(
+One row for each bus: its link, whether it is open, how much of what the wire carries was used while it
+looked (only for serial lines, whose baud rate says that; the rate of a USB port means nothing), and since
+tmcld started: requests without an answer in time (TIMEOUTS), answers that came too late (LATE), bytes that
+belong to no datagram (GARBAGE), replies that nobody asked for (SURPLUS), and answers that were given out
+only when they had been proven (SUSPECT). A bus that is not open says why.
+
+  tmclctl buses
+  tmclctl buses --for 10
+  tmclctl --json buses
+)";
+
+}  // namespace
+
+void add_buses(Grammar& grammar) {
+  auto buses = grammar.verb<verb::Buses>(
+      "buses", access::reads, "Show the buses, their load and what went wrong", buses_help, run);
+  buses.option("--for", "SECONDS", "Measure the load for so long (default 1)",
+               number(buses->for_s, shortest_load_s, longest_time_s));
 }
 
 }  // namespace tmclctl

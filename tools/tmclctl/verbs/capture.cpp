@@ -2,17 +2,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <sstream>
 
 #include <fmt/format.h>
 
-#include "arrival_wait.hpp"
-#include "options/form.hpp"
-#include "output_file.hpp"
+#include "axis/arrival_wait.hpp"
+#include "command_line/form.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "plot/svg_plot.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
 #include "tmcl/api/capture.hpp"
 #include "tmcl/plain_number.hpp"
+#include "tmcl/spelling.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -282,8 +284,6 @@ void show(const verb::Capture& verb, const capture::Started& started, const Reco
   }
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Capture& verb, Context& context) {
   OutputFile svg;
   OutputFile csv;
@@ -299,6 +299,104 @@ Result<ExitCode> run(const verb::Capture& verb, Context& context) {
   if (auto written = csv.write(to_csv(recording)); !written) return tl::unexpected(written.error());
   show(verb, started, recording, context.output);
   return ExitCode::done;
+}
+
+// More than any buffer holds.
+constexpr std::int32_t most_samples = 1 << 24;
+
+Reading read_rate(const std::string& text, std::optional<double>& rate_hz) {
+  constexpr double kilo = 1000;
+  std::string_view digits = text;
+  if (digits.ends_with("Hz")) digits.remove_suffix(2);
+  const bool thousands = digits.ends_with("k") && digits.size() + 2 == text.size();
+  if (thousands) digits.remove_suffix(1);
+  while (digits.ends_with(" ")) digits.remove_suffix(1);
+  return parse_number<double>(digits, 0)
+      .map([&](double value) { rate_hz = thousands ? value * kilo : value; })
+      .map_error(
+          [&](const std::string&) { return "'" + text + "' is no rate such as 500Hz or 1kHz"; });
+}
+
+Reading read_percent(const std::string& text, std::optional<std::int32_t>& percent) {
+  std::string_view digits = text;
+  if (digits.ends_with('%')) digits.remove_suffix(1);
+  return parse_number<std::int32_t>(digits, 0, 100).map([&](std::int32_t value) {
+    percent = value;
+  });
+}
+
+// PARAMETER EDGE VALUE
+Reading read_trigger(const std::string& text, std::optional<verb::Capture::Trigger>& trigger) {
+  verb::Capture::Trigger said;
+  std::istringstream words(text);
+  std::string value;
+  std::string rest;
+  const std::string form = " is no trigger such as 'actual_velocity rising 100'";
+  if (!(words >> said.parameter >> said.edge >> value) || words >> rest)
+    return tl::unexpected("'" + text + "'" + form);
+  constexpr auto edges = std::to_array<std::string_view>({"rising", "falling", "both"});
+  if (std::ranges::find(edges, said.edge) == edges.end()) {
+    return tl::unexpected("'" + said.edge + "' is no edge: rising, falling or both." +
+                          tmcl::did_you_mean(said.edge, edges));
+  }
+  return parse_number<std::int32_t>(value).map([&](std::int32_t number) {
+    said.value = number;
+    trigger = said;
+  });
+}
+
+constexpr const char* capture_help = R"(
+Has the module record parameters of the axis at the ticks of its own clock (command 142, RAMDebug),
+many times faster than a bus could ask for them, and reads the recording afterwards: as CSV, with the
+time from the trigger on, and values as the module counts them. Few modules have this, and no manual
+says which.
+
+--rate is the module's own rate or a whole part of it; without --samples or --for the recording
+fills the module's buffer. Reading takes about 2 ms for each value at 115200 baud; others use the bus
+meanwhile, and while axes of that bus are led along a path, this waits.
+
+Ctrl-C ends the recording and frees the module. What an error ends, such as a lost connection, is
+taken up again by the same command with --resume.
+
+  tmclctl capture x --channel actual_position --channel actual_velocity --samples 1000
+  tmclctl capture x --channel actual_velocity --rate 500Hz --for 4 --csv start.csv
+  tmclctl capture x --channel actual_position --channel actual_velocity --rate 1kHz \
+      --trigger 'actual_velocity rising 100' --pretrigger 20% --svg start.svg
+)";
+
+}  // namespace
+
+void add_capture(Grammar& grammar) {
+  auto capture = grammar.verb<verb::Capture>("capture", access::acts,
+                                             "Have the module record parameters at its own ticks",
+                                             capture_help, run);
+  capture.axis(capture->axis);
+  auto& values = *capture.operator->();
+  capture.repeated_option("--channel", "PARAM", "Record this axis parameter; may be given again",
+                          texts(values.channels));
+  capture.option("--rate", "RATE", "So many samples a second, such as 500Hz or 1kHz",
+                 [&values](const std::string& text) { return read_rate(text, values.rate_hz); });
+  capture.option("--samples", "N", "Record so many of each channel",
+                 number(values.samples, 1, most_samples));
+  capture.option("--for", "SECONDS", "Record for so long; needs --rate",
+                 number(values.for_s, shortest_time_s, longest_time_s));
+  capture.option("--trigger", "'PARAM EDGE VALUE'",
+                 "Begin when the parameter passes the value: rising, falling or both",
+                 [&values](const std::string& text) { return read_trigger(text, values.trigger); });
+  capture.option(
+      "--pretrigger", "PERCENT", "So much of the recording lies before the trigger",
+      [&values](const std::string& text) { return read_percent(text, values.pretrigger_percent); });
+  capture.option("--svg", "FILE", "Write a drawing to this file", svg_file(values.svg));
+  capture.option("--csv", "FILE", "Write the samples to this file; '-': to standard output",
+                 text(values.csv));
+  capture.flag("--resume", "Read what the module records, or has recorded, already", values.resume);
+  capture.object([](const verb::Capture& said, bool json) {
+    if (said.channels.empty()) return "say what to record: --channel PARAM";
+    if (said.for_s && said.samples) return "--for and --samples exclude each other";
+    if (said.for_s && !said.rate_hz) return "--for needs --rate";
+    if (said.pretrigger_percent && !said.trigger) return "--pretrigger needs --trigger";
+    return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
+  });
 }
 
 }  // namespace tmclctl

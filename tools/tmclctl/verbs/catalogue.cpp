@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "axis_names.hpp"
-#include "print.hpp"
+#include "axis/axis_names.hpp"
+#include "output/print.hpp"
 #include "tmcl/model_document.hpp"
 #include "verbs.hpp"
 
@@ -97,6 +97,23 @@ Result<ExitCode> run_on_model(const verb::Params& verb, Output& output) {
     table.print(output.out);
   }
   return ExitCode::done;
+}
+
+namespace {
+
+constexpr const char* models_help = R"(
+Needs no module. 'tmclctl params --model MODEL' lists what one of them can be told. With --json,
+"document" is the manual that its ranges follow, or says that there is none.
+
+  tmclctl models
+  tmclctl params --model TMCM-1110
+)";
+
+}  // namespace
+
+void add_models(Grammar& grammar) {
+  grammar.verb<verb::Models>("models", access::offline("it shows what this program knows"),
+                             "List the models that are known", models_help, run);
 }
 
 }  // namespace tmclctl

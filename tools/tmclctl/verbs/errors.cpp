@@ -1,7 +1,7 @@
 // errors.
 #include <fmt/format.h>
 
-#include "print.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/errors.hpp"
 #include "verbs.hpp"
 
@@ -25,8 +25,6 @@ void add_row(Table& table, const api::axis::Errors& errors) {
              words(errors.switches), measured(errors.supply_volts, "V"),
              measured(errors.temperature_celsius, "deg C")});
 }
-
-}  // namespace
 
 Result<ExitCode> run(const verb::Errors& verb, Context& context) {
   std::vector<std::string> names{verb.axis};
@@ -60,6 +58,25 @@ Result<ExitCode> run(const verb::Errors& verb, Context& context) {
     table.print(context.output.out);
   }
   return exit;
+}
+
+constexpr const char* errors_help = R"(
+Asks the modules of all axes, or of one, what they know about themselves: stops by stallGuard or the
+encoder, what the driver reports (too hot, shorts, coils that are not connected), closed switches, and
+supply and temperature where the module measures them. Reading clears the flags 'stall' and 'deviation';
+the column STOPPED BY keeps them until the axis moves again. Coils can be told to be open only while
+the motor turns slowly. A supply below 7 V is 'undervoltage'. If anything is wrong, the exit code is 1.
+
+  tmclctl errors
+  tmclctl --json errors x
+)";
+
+}  // namespace
+
+void add_errors(Grammar& grammar) {
+  auto errors = grammar.verb<verb::Errors>("errors", access::reads,
+                                           "Say what modules report as wrong", errors_help, run);
+  errors.optional_word("AXIS", axis_meaning, text(errors->axis));
 }
 
 }  // namespace tmclctl

@@ -1,10 +1,10 @@
 // firmware info, firmware check, firmware upload.
 #include <fmt/format.h>
 
-#include "input_file.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
-#include "staging.hpp"
+#include "command_line/input_file.hpp"
+#include "connection/staging.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/firmware_verbs.hpp"
@@ -160,8 +160,6 @@ void report(const verb::UploadFirmware& verb, const ModuleName& module, const Im
     warn(fmt::format("{} says that it is {}", verb.file, text_of(*offered)), output);
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::FirmwareInfo& verb, Output& output) {
   return read_image(verb.file).map([&](const Image& image) {
     if (output.json) {
@@ -207,6 +205,68 @@ Result<ExitCode> run(const verb::UploadFirmware& verb, Context& context) {
   if (!done) return tl::unexpected(done.error());
   report(verb, *module, *image, *done, context.output);
   return ExitCode::done;
+}
+
+constexpr std::string_view files = "it is about files";
+
+constexpr const char* firmware_help = R"(
+  tmclctl firmware info --help
+  tmclctl firmware check --help
+  tmclctl firmware upload --help
+)";
+
+constexpr const char* firmware_info_help = R"(
+Reads an Intel HEX file: how long it is, where it goes, its checksum as bootloaders compute it, and
+the versions that it says it is, such as 1110V142. What is wrong with a file comes as
+FILE:LINE:COLUMN: MESSAGE (exit code 2). No module is needed.
+
+  tmclctl firmware info TMCM-1110_V1.42.hex
+)";
+
+constexpr const char* firmware_check_help = R"(
+Asks the module which model it is and what it runs, and looks in the file for a version of this
+model. Exit code 0 if there is one, otherwise 2. Nothing is changed.
+
+  tmclctl firmware check TMCM-1110_V1.42.hex 1
+)";
+
+constexpr const char* firmware_upload_help = R"(
+Stops the module's motors, enters its bootloader, erases the firmware, writes the new one, compares
+the checksum and starts it. A file that is not for this model is refused before anything is changed;
+--force takes it if the file does not say what it is for, or says it in an unknown way.
+Through tmcld, everybody else's commands to the module fail meanwhile, stops too: in its bootloader
+it can neither start nor stop a motor. The upload goes on to its end even if tmclctl is ended, or
+tmcld is asked to end; with --direct the first Ctrl-C does not end it, but the second does. On a serial
+line everything waits while the module erases, which may take some seconds.
+
+Whatever fails once the firmware is erased, even the power: the module then stays in its bootloader.
+Give the same command again. On USB the module may leave the bus when it enters its bootloader and
+come back as another device: give the command again with that one's name.
+
+  tmclctl firmware upload TMCM-1110_V1.42.hex 1
+  tmclctl --direct serial:/dev/ttyACM0 firmware upload TMCM-1110_V1.42.hex 1
+)";
+
+}  // namespace
+
+void add_firmware(Grammar& grammar) {
+  const auto firmware =
+      grammar.group("firmware", "Firmware files, and new firmware for a module", firmware_help);
+  auto info =
+      grammar.verb<verb::FirmwareInfo>(firmware, "info", access::offline(files),
+                                       "What is in a firmware file", firmware_info_help, run);
+  info.word("FILE", "An Intel HEX file", text(info->file));
+  auto check = grammar.verb<verb::CheckFirmware>(firmware, "check", access::reads,
+                                                 "Does a firmware file belong to a module?",
+                                                 firmware_check_help, run);
+  check.word("FILE", "An Intel HEX file", text(check->file));
+  check.module(check->module);
+  auto upload = grammar.verb<verb::UploadFirmware>(firmware, "upload", access::tells,
+                                                   "Exchange the firmware of a module",
+                                                   firmware_upload_help, run);
+  upload.word("FILE", "An Intel HEX file", text(upload->file));
+  upload.module(upload->module);
+  upload.flag("--force", "Also a file that does not say that it is for this model", upload->force);
 }
 
 }  // namespace tmclctl

@@ -1,9 +1,9 @@
 // home.
 #include <fmt/format.h>
 
-#include "arrival_wait.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
+#include "axis/arrival_wait.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "tmcl/api/system.hpp"
 
 namespace tmclctl {
@@ -94,8 +94,6 @@ Result<api::axis::HomedAxis> search(const verb::Home& verb, api::axis::Home para
   return context.call(params);
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Home& verb, Context& context) {
   if (verb.stop) return end_search(verb, context);
   const Typed travel{verb.max_travel, verb.internal};
@@ -112,23 +110,51 @@ Result<ExitCode> run(const verb::Home& verb, Context& context) {
   return ExitCode::done;
 }
 
-Result<ExitCode> run(const verb::Recover& verb, Context& context) {
-  std::vector<std::string> names{verb.axis};
-  if (verb.all) {
-    // Also those without a name in the configuration.
-    const auto listed = context.call(api::axis::List{true});
-    if (!listed) return tl::unexpected(listed.error());
-    names.clear();
-    for (const auto& axis : listed->axes) names.push_back(axis.name);
-  }
-  for (const auto& name : names) {
-    const auto recovered = context.call(api::axis::Recover{name});
-    if (!recovered) return tl::unexpected(recovered.error());
-    if (!context.output.json) context.output.out << name << " may move\n";
-  }
-  if (context.output.json)
-    print_json({{"recovered", json::array(names.begin(), names.end())}}, context.output);
-  return ExitCode::done;
+constexpr std::int32_t greatest_mode = 255;
+
+constexpr const char* home_help = R"(
+Waits until the module says that its search has ended, unless --no-wait is given. Ctrl-C ends the
+waiting and NOT the search; 'tmclctl home x --stop' or 'tmclctl stop x' ends that. A search that
+another program ends has found nothing, and is told so.
+
+A search whose switch is dead goes on for ever. So it is stopped (exit code 5, cause search_limit)
+where it goes further one way, without turning, than --max-travel says, else 'home_max_travel' in the
+configuration, else the length of its soft limits and a tenth. Where none of them is given nothing
+bounds it, and a warning says so. With --direct --no-wait nothing watches it when tmclctl has ended.
+
+--timeout stops the search, too; with --leave it goes on.
+
+  tmclctl home x
+  tmclctl home x --max-travel 120mm
+  tmclctl home x --mode 5 --timeout 60
+  tmclctl home x --stop
+)";
+
+}  // namespace
+
+void add_home(Grammar& grammar) {
+  auto home = grammar.verb<verb::Home>("home", access::acts, "Search the reference position",
+                                       home_help, run);
+  home.axis(home->axis);
+  home.option("--mode", "N", "Which switches are searched how (parameter 193)",
+              number(home->mode, 1, greatest_mode));
+  home.option("--max-travel", "WAY",
+              "Stop the search where it goes further one way, such as 120mm or 3rev",
+              text(home->max_travel));
+  home.option("--timeout", "SECONDS", "Stop the search after so long, and give up",
+              number(home->timeout_s, shortest_time_s, longest_time_s));
+  home.flag("--leave", "Let the search go on after --timeout", home->leave);
+  home.flag("--no-wait", "Come back as soon as the search has begun", home->no_wait);
+  home.flag("--stop", "End a search", home->stop);
+  home.internal(home->internal);
+  home.object([](const verb::Home& said, bool) {
+    if (said.stop &&
+        (said.mode || said.timeout_s || said.no_wait || !said.max_travel.empty() || said.leave))
+      return "--stop goes with no other option";
+    if (said.leave && !said.timeout_s)
+      return "--leave says what becomes of the search after --timeout: give that, too";
+    return said.no_wait && said.timeout_s ? "--no-wait and --timeout exclude each other" : "";
+  });
 }
 
 }  // namespace tmclctl

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "child_process.hpp"
-#include "lease_environment.hpp"
-#include "print.hpp"
+#include "command_line/child_process.hpp"
+#include "command_line/lease_environment.hpp"
+#include "output/print.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -55,8 +55,6 @@ Error lost(Error failure, ChildProcess& program) {
   return failure;
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::RunLeased& verb, Context& context) {
   if (verb.command.empty())
     return tl::unexpected(usage_error("usage", "say what is to be run: AXIS... -- COMMAND..."));
@@ -100,6 +98,49 @@ Result<ExitCode> run(const verb::BreakLease& verb, Context& context) {
     context.output.out << verb.axis << " has no lease any more\n";
   }
   return ExitCode::done;
+}
+
+constexpr std::string_view alone = "with --direct nobody else is there";
+constexpr double shortest_ttl_s = 0.2;
+constexpr double longest_ttl_s = 60;
+
+constexpr const char* lease_help = R"(
+Who has a lease of axes is the only one who can move them, or change the settings of their modules;
+everybody can read and stop. 'lease run' takes one, runs COMMAND, and ends with its exit code. The
+lease is renewed as long as COMMAND runs; then the axes are stopped. Every tmclctl that COMMAND starts
+moves them under this lease: it is passed on in TMCL_LEASE and TMCL_EPOCH. If this program is killed or
+hangs, the axes stop.
+
+  exit     that of COMMAND
+       5   the lease was lost; COMMAND was sent SIGTERM
+
+  tmclctl lease run x y -- ./measure.sh
+  tmclctl lease list
+  tmclctl lease break x
+)";
+
+}  // namespace
+
+void add_leases(Grammar& grammar) {
+  const auto group =
+      grammar.group("lease", "The right of one program alone to move axes", lease_help);
+  auto leased = grammar.verb<verb::RunLeased>(
+      group, "run", access::tmcld_only(VerbEffect::tells, alone),
+      "Run a program that has axes for itself: AXIS... -- COMMAND...", lease_help, run);
+  leased.words("AXIS", axis_meaning, texts(leased->axes));
+  leased.option("--ttl", "SECONDS",
+                "The axes stop so long after this program has been lost (default 2)",
+                number(leased->ttl_s, shortest_ttl_s, longest_ttl_s));
+  leased.command(leased->command);
+  leased.object([](const verb::RunLeased& said, bool) {
+    return said.axes.empty() ? "name at least one AXIS" : "";
+  });
+  grammar.verb<verb::Leases>(group, "list", access::tmcld_only(VerbEffect::reads, alone),
+                             "Who has which axes", lease_help, run);
+  auto breaks = grammar.verb<verb::BreakLease>(
+      group, "break", access::tmcld_only(VerbEffect::acts, alone),
+      "Take the lease of an axis away; it is stopped", lease_help, run);
+  breaks.axis(breaks->axis);
 }
 
 }  // namespace tmclctl

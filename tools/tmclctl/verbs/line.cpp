@@ -1,10 +1,10 @@
 // line.
 #include <fmt/format.h>
 
-#include "arrival_wait.hpp"
-#include "options/form.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
+#include "axis/arrival_wait.hpp"
+#include "command_line/form.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "tmcl/api/path.hpp"
 #include "verbs.hpp"
 
@@ -87,8 +87,6 @@ void print(const api::line::StartedLine& line, const verb::Line& verb, std::ostr
                      line.one_command ? "by one command" : together(1e3 * line.skew_s));
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Line& verb, Context& context) {
   if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
   const auto line = context.call(params_of(verb));
@@ -105,6 +103,53 @@ Result<ExitCode> run(const verb::Line& verb, Context& context) {
     print(*line, verb, context.output.out);
   }
   return ExitCode::done;
+}
+
+constexpr double longest_line_s = 86'400;
+
+Reading read_goal(const std::string& text, std::vector<verb::Line::Goal>& goals) {
+  const auto equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos)
+    return tl::unexpected("'" + text + "' is no AXIS=POSITION");
+  goals.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  return {};
+}
+
+constexpr const char* line_help = R"(
+The axes start together and arrive together: each gets the part of speed and acceleration that its
+way is of the longest. Their own settings are the limits, and are set back at the end; --velocity and
+--acceleration are limits of each axis, too. If one cannot take part, none moves; if one is stopped or
+does not go as planned, all are stopped. Several motors of one module start with one command. With
+--direct it stays until all axes stand and have their settings back; Ctrl-C stops them.
+
+  tmclctl line x=51200microsteps y=-1.5rev --wait
+  tmclctl line x=10mm y=2.5mm z=0
+  tmclctl line x=10mm y=2.5mm --velocity 5mm/s
+  tmclctl line x=10mm y=2.5mm --time 4
+)";
+
+}  // namespace
+
+void add_line(Grammar& grammar) {
+  auto line = grammar.verb<verb::Line>(
+      "line", access::acts, "Move several axes together along a straight line", line_help, run);
+  line.words("AXIS=POSITION", "Where each of them is to go, with a unit",
+             [&goals = line->goals](const std::string& text) { return read_goal(text, goals); });
+  line.option("--velocity", "VELOCITY", "What no axis exceeds, such as 20mm/s or 50000pps",
+              text(line->velocity));
+  line.option("--acceleration", "ACCELERATION", "Likewise, such as 100mm/s^2 or 200000pps/s",
+              text(line->acceleration));
+  line.option("--time", "SECONDS", "Take so long; without it, as short as possible",
+              number(line->time_s, shortest_time_s, longest_line_s));
+  line.flag("--wait", "Wait until all of them stand at their targets", line->wait);
+  line.option("--timeout", "SECONDS", "With --wait: give up after so long; the axes go on",
+              number(line->timeout_s, shortest_time_s, longest_time_s));
+  line.internal(line->internal);
+  line.object([](const verb::Line& said, bool) {
+    if (said.goals.empty()) return "name at least one AXIS=POSITION";
+    return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"
+                                        : "";
+  });
 }
 
 }  // namespace tmclctl

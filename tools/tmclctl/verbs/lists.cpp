@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "print.hpp"
-#include "progress_line.hpp"
-#include "scale_factors.hpp"
+#include "axis/scale_factors.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -263,11 +263,84 @@ Result<ExitCode> run(const verb::Params& verb, Context& context) {
   return ExitCode::done;
 }
 
-Result<ExitCode> run(const verb::Complete&, Context& context) {
+Result<ExitCode> complete_axes(Context& context) {
   const auto rows = axes_of(context);
   if (!rows) return tl::unexpected(rows.error());
   for (const auto& row : *rows) context.output.out << row.name << '\n';
   return ExitCode::done;
+}
+
+namespace {
+
+Reading read_range(const std::string& text, ScanRange& range) {
+  const auto dash = text.find('-');
+  const auto first = text.substr(0, dash);
+  const auto last = dash == std::string::npos ? first : text.substr(dash + 1);
+  return number(range.first, 0, greatest_address)(first).and_then(
+      [&] { return number(range.last, range.first, greatest_address)(last); });
+}
+
+constexpr const char* scan_help = R"(
+Asks every address who is there: through tmcld on all its buses, with --direct on that one.
+One row for each module that answers; exit code 3 if none does. Takes some seconds on a slow serial
+line. NO FIRMWARE marks a module whose bootloader answers, as after an upload that was cut short.
+
+  tmclctl scan
+  tmclctl --direct can:can0 scan --addresses 1-20
+  tmclctl --direct tcp:10.0.0.7:4001 --reply-timeout 1000 scan     far away, so answers take long
+)";
+
+constexpr const char* modules_help = R"(
+Those of the axes in tmcld's configuration, and how they are: ready, silent (they do not answer), or
+unknown (their bus is not open, or they were not asked yet). With --direct it is a scan.
+
+  tmclctl modules
+  tmclctl --json modules
+)";
+
+constexpr const char* axes_help = R"(
+The axes of tmcld's configuration; with --direct those of all modules that a scan finds. Where the state
+is unknown because a bus is not open, it says why. Of an axis with a unit it says how many microsteps,
+and counts of its encoder, a unit is.
+
+  tmclctl axes
+  tmclctl --direct can:can0 axes
+)";
+
+constexpr const char* params_help = R"(
+An axis has the parameters of its module's model; without a module, --model lists those of any.
+ACCESS is R (can be read), RW (and set), or RWE (and stored in the EEPROM, with 'tmclctl store').
+
+  tmclctl params x --values
+  tmclctl params --model TMCM-1276
+  tmclctl params --model TMCM-1276 --globals
+)";
+
+}  // namespace
+
+void add_lists(Grammar& grammar) {
+  auto scan = grammar.verb<verb::Scan>("scan", access::reads, "Look for modules on all addresses",
+                                       scan_help, run);
+  auto& range = scan->range;
+  scan.option("--addresses", "FIRST-LAST", "Only these addresses (default 1-255)",
+              [&range](const std::string& text) { return read_range(text, range); });
+  grammar.verb<verb::Modules>("modules", access::reads, "List the modules that tmcld serves",
+                              modules_help, run);
+  grammar.verb<verb::Axes>("axes", access::reads, "List the axes and how they are called",
+                           axes_help, run);
+  auto params = grammar.verb<verb::Params>(
+      "params", access::reads, "List the parameters of an axis or a model", params_help, run);
+  params.optional_word("AXIS", axis_meaning, text(params->axis));
+  params.flag("--values", "Read them all, too", params->values);
+  params.internal(params->internal);
+  params.option("--model", "MODEL", "Of this model, without any module", text(params->model));
+  params.flag("--globals", "With --model: the global parameters", params->globals);
+  params.alone([](const verb::Params& said) { return !said.model.empty(); }, run_on_model);
+  params.object([](const verb::Params& said, bool) {
+    if (said.axis.empty() == said.model.empty()) return "name an axis, or say --model MODEL";
+    if (said.model.empty()) return said.globals ? "--globals needs --model" : "";
+    return said.values ? "--values needs an axis to read from" : "";
+  });
 }
 
 }  // namespace tmclctl

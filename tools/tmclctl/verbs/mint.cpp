@@ -1,9 +1,9 @@
 // mint check.
 #include <fmt/format.h>
 
+#include "command_line/text_problems.hpp"
+#include "output/print.hpp"
 #include "path/path_source.hpp"
-#include "print.hpp"
-#include "text_problems.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/plan/mint.hpp"
 #include "verbs.hpp"
@@ -73,8 +73,6 @@ Result<mint::DryRun> dry_run(const std::string& file, Output& output) {
       });
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::CheckMint& verb, Output& output) {
   return dry_run(verb.file, output).map([&](const mint::DryRun& run) {
     if (output.json) {
@@ -85,6 +83,41 @@ Result<ExitCode> run(const verb::CheckMint& verb, Output& output) {
     }
     return ExitCode::done;
   });
+}
+
+constexpr const char* mint_help = R"(
+  tmclctl mint check --help
+  tmclctl mint run --help
+)";
+
+constexpr const char* mint_check_help = R"(
+Reads a program of SCALE, SPEED, ACCEL, DECEL, MOVEA, MOVER and GO as application note AN00115-001
+prints it, and says for each GO which axes go where, and when; all in the user units that SCALE
+makes, and in seconds. No module is needed. What is wrong comes as FILE:LINE:COLUMN: MESSAGE (exit
+code 2); a move that no GO starts is a warning.
+
+  SCALE = 1200             ' counts of a user unit (1 if there is no SCALE)
+  SPEED = 250              ' DECEL is ACCEL if it is not given
+  ACCEL = 1250
+  MOVER = 200              ' loads a move by 200; MOVEA one to 200
+  GO                       ' starts all that are loaded
+
+SPEED = 1, 2 is of the axes 0 and 1; SPEED.2 = 1 of axis 2; SPEED[0,2] = 1, 2 of the listed ones,
+SPEED[0,2] = 1; the same for them. GO[0,2] starts those together.
+
+  tmclctl mint check exercise.mint
+  tmclctl --json mint check exercise.mint
+)";
+
+}  // namespace
+
+Form add_mint(Grammar& grammar) {
+  const auto group = grammar.group("mint", "Movements in the words of Mint", mint_help);
+  auto check = grammar.verb<verb::CheckMint>(
+      group, "check", access::offline("it computes, and asks no module"),
+      "What a Mint program would do, without doing it", mint_check_help, run);
+  check.word("FILE", "The program", text(check->file));
+  return group;
 }
 
 }  // namespace tmclctl

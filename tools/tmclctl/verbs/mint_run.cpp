@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "arrival_wait.hpp"
+#include "axis/arrival_wait.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "path/path_source.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/plan/mint.hpp"
@@ -141,8 +141,6 @@ Result<api::mint::Ran> run_followed(const std::string& text, api::mint::Run run,
   return context.call(run, options);
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::RunMint& verb, Context& context) {
   const auto text = path::text_of(verb.file, path::most_mint_bytes);
   if (!text) return tl::unexpected(text.error());
@@ -163,6 +161,36 @@ Result<ExitCode> run(const verb::RunMint& verb, Context& context) {
   if (context.output.json)
     print_json({{"file", verb.file}, {"groups", api::write_value(result->groups)}}, context.output);
   return ExitCode::done;
+}
+
+constexpr const char* mint_run_help = R"(
+Runs a program as 'tmclctl mint check' reads it. Positions are counts: SCALE microsteps are a user unit,
+or, with --counts encoder, SCALE counts of the axis' encoder, which the configuration must know.
+Each GO sets the ramps of its axes to SPEED, ACCEL and DECEL, starts them together, and waits until all
+stand. Axis 0 is the first that 'tmclctl axes' lists, unless --axis says which is which. Nothing moves
+unless every axis is there, stands, and can go everywhere the program sends it. Ctrl-C stops all axes.
+The ramps' parameters are set back at the end.
+
+  tmclctl mint run exercise.mint
+  tmclctl mint run two.mint --axis 0=x --axis 1=y
+  tmclctl mint run exercise.mint --axis 0=z --counts encoder
+)";
+
+}  // namespace
+
+void add_mint_run(Grammar& grammar, const Form& group) {
+  auto form = grammar.verb<verb::RunMint>(group, "run", access::tells,
+                                          "Move axes as a Mint program says", mint_run_help, run);
+  form.word("FILE", "The program", text(form->file));
+  auto& said = *form.operator->();
+  form.repeated_option("--axis", "NUMBER=AXIS", "Which axis the program's axis of this number is",
+                       named_axes(said.axes));
+  form.option("--counts", "WHAT", "What SCALE counts: microsteps (default), or encoder",
+              [&said](const std::string& text) -> Reading {
+                said.counts_encoder = text == "encoder";
+                if (said.counts_encoder || text == "microsteps") return {};
+                return tl::unexpected(fmt::format("'{}' is neither microsteps nor encoder", text));
+              });
 }
 
 }  // namespace tmclctl

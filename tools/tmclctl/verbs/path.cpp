@@ -2,11 +2,11 @@
 #include <limits>
 
 #include "api/course_view.hpp"
+#include "command_line/text_problems.hpp"
+#include "output/print.hpp"
 #include "path/leg_table.hpp"
 #include "path/path_source.hpp"
-#include "print.hpp"
-#include "text_problems.hpp"
-#include "verbs.hpp"
+#include "path_words.hpp"
 
 namespace tmclctl {
 namespace {
@@ -21,8 +21,6 @@ Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objecti
   failure.kind = tmcl::client::kind_of_objection(objection.name);
   return failure;
 }
-
-}  // namespace
 
 Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto text = path::text_of(verb.file, path::most_path_bytes);
@@ -53,6 +51,52 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
     if (verb.legs) path::print_legs(legs, output);
   }
   return ExitCode::done;
+}
+
+constexpr const char* path_help = R"(
+  tmclctl path check --help
+  tmclctl path run --help
+  tmclctl path pause --help
+)";
+
+constexpr const char* path_check_help = R"(
+Plans a path as 'tmclctl path run' would, for axes that can do what --velocity and --acceleration say,
+and says how long it is and takes, where it goes, and where it is slowest. Lengths are in the units of
+the file; G-code's are mm (deg for A B C). Where X, Y or Z moves, the length is theirs, and A B C go
+along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems.
+
+--legs says for each leg when it begins (T1), has its speed (T2), slows down (T3) and ends (T4), and the
+ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
+
+  tmclctl path check part.ngc --velocity 20 --acceleration 500
+  tmclctl path check part.csv --svg part.svg
+  tmclctl path check part.ngc --legs --microsteps-per-unit 10240
+  tmclctl --json path check part.ngc
+)";
+
+}  // namespace
+
+Form add_path(Grammar& grammar) {
+  const auto group =
+      grammar.group("path", "Paths through several axes, from tables and G-code", path_help);
+  auto check = grammar.verb<verb::CheckPath>(
+      group, "check", access::offline("it computes, and asks no module"),
+      "How a path would be passed, without axes", path_check_help, run);
+  add_path_file(check);
+  check.option("--feed", "UNITS", "No faster along the path, a second",
+               number(check->feed, least_of_path, most_of_path));
+  check.option("--velocity", "UNITS", "What an axis can do, a second (default 100)",
+               number(check->velocity, least_of_path, most_of_path));
+  check.option("--acceleration", "UNITS", "Likewise, a second squared (default 1000)",
+               number(check->acceleration, least_of_path, most_of_path));
+  check.option("--corner-jump", "UNITS",
+               "By how much an axis may change its speed at once in a corner, a second",
+               number(check->corner_jump, least_of_path, most_of_path));
+  check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
+             check->legs);
+  check.option("--microsteps-per-unit", "NUMBER", "With --legs: the ramps in microsteps, too",
+               number(check->microsteps_per_unit, least_of_path, most_of_path));
+  return group;
 }
 
 }  // namespace tmclctl

@@ -3,14 +3,14 @@
 
 #include <fmt/format.h>
 
-#include "arrival_wait.hpp"
-#include "options/form.hpp"
+#include "axis/arrival_wait.hpp"
+#include "command_line/form.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "path/path_source.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
+#include "path_words.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/api/system.hpp"
-#include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
@@ -166,8 +166,6 @@ Result<ExitCode> tell(PathEnd end, StreamMode mode, Output& output) {
                                           std::move(failure.subject)));
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   const auto plan = plan_of(verb, context);
   if (!plan) return tl::unexpected(plan.error());
@@ -190,6 +188,77 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
     path::print(verb.file, plan->course, context.output);
   }
   return ExitCode::done;
+}
+
+constexpr int shortest_period_ms = 1;
+constexpr int longest_period_ms = 1000;
+
+constexpr const char* path_run_help = R"(
+Moves the axes along the path, and says then how far off it they were seen, and what the bus was used
+for. G-code begins where the axes stand; to the start of a table they are moved first. X is the axis of
+tmcld that is called X or x, unless --axis says otherwise. Nothing moves before everything is checked:
+units, limits, where the path goes, that all axes stand, and what the bus can carry. Files are those of
+'tmclctl path check'. --velocity, --acceleration and --feed are in the units of the file, or have a unit
+with them: 20mm/s, 500mm/s^2, 120rpm.
+
+  --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can
+  --mode segments   any module, for slow buses: an axis is told a speed, and the acceleration to get
+                    there, only where its speed changes; no table with times
+  --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
+                    with times
+Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it
+is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
+tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
+there is nobody else who could: if this program is killed, each axis stops at the end of its leg, in the
+other modes where the path would next turn it round; those of a TMC4361 or of firmware ramps turn on.
+
+  tmclctl path run part.ngc --axis X=left --axis Y=front
+  tmclctl path run part.csv --axis x=left --axis y=front --mode position --velocity 20mm/s
+  tmclctl --direct can:can0 path run part.ngc --axis X=1/0 --axis Y=1/1 --per-turn 5 --dry-run
+)";
+
+}  // namespace
+
+void add_path_run(Grammar& grammar, const Form& group) {
+  auto form = grammar.verb<verb::RunPath>(group, "run", access::tells, "Move axes along a path",
+                                          path_run_help, run);
+  add_path_file(form);
+  auto& said = *form.operator->();
+  form.repeated_option("--axis", "LETTER=AXIS", "Which axis the file's axis of this name is",
+                       named_axes(said.axes));
+  form.option("--mode", "MODE", "velocity (default), segments, or position",
+              [&said](const std::string& text) -> Reading {
+                const auto mode = tmcl::plan::stream_mode_named(text);
+                if (!mode) {
+                  return tl::unexpected(
+                      fmt::format("'{}' is none of velocity, segments and position", text));
+                }
+                said.mode = *mode;
+                return {};
+              });
+  form.option("--deviation", "UNITS",
+              "Stop when an axis is seen so far off its plan (default 20 tolerances)",
+              number(form->deviation, least_of_path, most_of_path));
+  form.option("--feed", "UNITS|VELOCITY", "No faster along the path: a second, or such as 20mm/s",
+              text(form->feed));
+  form.option("--velocity", "UNITS|VELOCITY", "No axis faster than this; otherwise max_velocity",
+              text(form->velocity));
+  form.option("--acceleration", "UNITS|ACCELERATION",
+              "Likewise, a second squared, or such as 500mm/s^2; otherwise the least of its own",
+              text(form->acceleration));
+  form.option("--corner-jump", "UNITS|VELOCITY",
+              "By how much an axis may change its speed at once in a corner, such as 2mm/s",
+              text(form->corner_jump));
+  form.option("--per-turn", "UNITS", "What a turn of the motor is, for axes without a unit",
+              number(form->per_turn, least_of_path, most_of_path));
+  form.option(
+      "--period", "MS", "In velocity mode, no updates more often than this (default 5)",
+      [&said](const std::string& text) {
+        return parse_number<int>(text, shortest_period_ms, longest_period_ms).map([&](int value) {
+          said.period = std::chrono::milliseconds(value);
+        });
+      });
+  form.flag("--dry-run", "Plan and check everything; move nothing", form->dry_run);
 }
 
 }  // namespace tmclctl

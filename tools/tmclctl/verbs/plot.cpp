@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "arrival_wait.hpp"
-#include "output_file.hpp"
+#include "axis/arrival_wait.hpp"
+#include "axis/prediction_text.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
-#include "prediction_text.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
 #include "tmcl/utc_text.hpp"
 #include "verbs.hpp"
 
@@ -195,8 +195,6 @@ void show(const verb::Plot& verb, const plot::Recording& recording, const plot::
   }
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Plot& verb, Context& context) {
   // A move whose recording cannot be kept is not worth starting.
   OutputFile svg;
@@ -224,6 +222,47 @@ Result<ExitCode> run(const verb::Plot& verb, Context& context) {
   if (failure) return tl::unexpected(*failure);
   if (context.output.json) print_json(to_json(verb, recording, comparison), context.output);
   return ExitCode::done;
+}
+
+constexpr const char* plot_help = R"(
+Records position and velocity, and draws both over time. With --to or --by it starts that move and
+records until the axis stands; otherwise it records until the axis stands, or for the time that
+--for gives. Ctrl-C ends the recording, not the move, and draws what there is. An axis with a unit is
+drawn in that, and its CSV has two columns more.
+
+--compare draws beside the movement what the module's ramp generator should make of it, and says by
+how much the two differ: beyond what the time can explain that command and readings took.
+
+  tmclctl plot x --by 51200
+  tmclctl plot x --by 51200 --compare
+  tmclctl plot x --to 0 --svg move.svg --csv move.csv
+  tmclctl rotate x 500 --unattended; tmclctl plot x --for 3
+  tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
+)";
+
+}  // namespace
+
+void add_plot(Grammar& grammar) {
+  auto plot = grammar.verb<verb::Plot>(
+      "plot", access::acts, "Record a movement and draw position and velocity", plot_help, run);
+  plot.axis(plot->axis);
+  plot.option("--to", "POSITION", "Start a move to this position", text(plot->to));
+  plot.option("--by", "DISTANCE", "Start a move by this distance", text(plot->by));
+  plot.option("--for", "SECONDS", "Record for so long at most",
+              number(plot->for_s, shortest_time_s, longest_time_s));
+  plot.option("--svg", "FILE", "Write the drawing to this file, too", svg_file(plot->svg));
+  plot.option("--csv", "FILE",
+              "Write the samples to this file, too; '-': to standard output instead",
+              text(plot->csv));
+  plot.flag("--compare", "Draw the plan of the move as well, and how far the axis was off it",
+            plot->compare);
+  plot.internal(plot->internal);
+  plot.object([](const verb::Plot& said, bool json) {
+    if (said.compare && said.to.empty() && said.by.empty())
+      return "--compare needs a move: --to or --by";
+    if (!said.to.empty() && !said.by.empty()) return "--to and --by exclude each other";
+    return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
+  });
 }
 
 }  // namespace tmclctl

@@ -1,7 +1,7 @@
 // ports: what this computer has that may lead to modules.
 #include <fmt/format.h>
 
-#include "print.hpp"
+#include "output/print.hpp"
 #include "tmcl/ports.hpp"
 #include "verbs.hpp"
 
@@ -39,8 +39,6 @@ std::string what_is_behind(const tmcl::Port& port) {
   return describe(*port.usb) + (port.device.empty() ? " (no serial port of it now)" : "");
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Ports&, Output& output) {
   json::array array;
   Table table({"LINK", "USB PORT", "BEHIND IT", "MODULE", "HELD BY", "NAME THAT STAYS"});
@@ -60,6 +58,23 @@ Result<ExitCode> run(const verb::Ports&, Output& output) {
     table.print(output.out);
   }
   return ExitCode::done;
+}
+
+constexpr const char* ports_help = R"(
+Looks at what the kernel lists, and opens nothing. LINK is what --direct and the
+configuration of tmcld take; 'usb:' with the USB port leads there as well, past the
+serial port. Programs of other users cannot be seen holding a port unless they lock it.
+
+  tmclctl ports
+  tmclctl --direct auto scan                     the only module by USB that there is
+)";
+
+}  // namespace
+
+void add_ports(Grammar& grammar) {
+  grammar.verb<verb::Ports>("ports", access::offline("it opens no port"),
+                            "List the serial ports and modules by USB of this computer", ports_help,
+                            run);
 }
 
 }  // namespace tmclctl

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "output_file.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
 #include "plot/recording.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
-#include "print.hpp"
 #include "profile/setup.hpp"
 #include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
@@ -238,8 +238,6 @@ Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulati
   });
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
   const auto setup = profile::read_setup(verb);
   if (!setup) return tl::unexpected(setup.error());
@@ -250,6 +248,126 @@ Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
   if (!outcome) return tl::unexpected(outcome.error());
   warn_of(*outcome, *setup, verb, output);
   return show(verb, *setup, *simulation, *outcome, output).map([] { return ExitCode::done; });
+}
+
+constexpr double longest_simulated_time = 1e9;
+constexpr double shortest_csv_step = 1e-9;
+
+Reading read_times(std::string_view list, std::vector<double>& times) {
+  times.clear();
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const auto comma = std::min(list.find(',', begin), list.size());
+    const auto time =
+        parse_number<double>(list.substr(begin, comma - begin), 0, longest_simulated_time);
+    if (!time) return tl::unexpected(time.error());
+    times.push_back(*time);
+    begin = comma + 1;
+  }
+  return {};
+}
+
+Reading read_change(const std::string& text, std::vector<verb::Simulate::Change>& changes) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos)
+    return tl::unexpected(fmt::format("'{}' is no SECONDS:REGISTER=VALUE", text));
+  return parse_number<double>(std::string_view(text).substr(0, colon), 0, longest_simulated_time)
+      .map([&](double time) {
+        changes.push_back({time, text.substr(colon + 1)});
+      });
+}
+
+std::string generator_names() {
+  std::vector<std::string_view> names;
+  for (const auto& generator : profile::generators()) names.push_back(generator.name);
+  return fmt::format("One of {}", fmt::join(names, ", "));
+}
+
+std::string objection_to(const verb::Simulate& said, bool json) {
+  const int forms = (json ? 1 : 0) + (said.csv_step ? 1 : 0) + (said.svg.empty() ? 0 : 1);
+  if (forms > 1) return "--json, --csv and --svg exclude each other";
+  return !said.samples.empty() && !json ? "--sample needs --json" : "";
+}
+
+constexpr const char* profile_help = R"(
+Nothing is sent anywhere: no bus, no tmcld, no module is needed.
+
+  tmclctl profile simulate --help      registers of a chip: how it moves
+  tmclctl profile solve --help         some values of a trapezoid: all of them
+)";
+
+constexpr const char* simulate_help = R"(
+Computes, exactly to the tick (tmc4361: by a model), how a chip's ramp generator moves: from rest at
+position 0 and tick 0 until it stands on its target, or until --until. Draws position and velocity;
+--csv, --svg and --json say it in other ways. x is in microsteps, v and a are in the chip's units.
+
+  tmclctl profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 \
+      x_target=100000
+  tmclctl --json profile simulate --generator sixpoint amax=3000 vmax=268000 dmax=3000 \
+      d1=3000 xtarget=512000 --sample 0.5,1
+  tmclctl profile simulate --generator tmc457 v_max=5000000 a_max=24624 d_max=24624 bow_max=11 \
+      x_target=50000 --csv 0.01
+  tmclctl profile simulate --generator tmc4361 vmax=25600000 amax=800000 dmax=400000 \
+      bow1=1000000 bow2=2000000 bow3=500000 bow4=400000 xtarget=300000
+  tmclctl profile simulate --generator mc1451a profile=s_curve velocity=180224 acceleration=66 \
+      jerk=42950 position=100000 --svg s_curve.svg
+  tmclctl profile simulate --generator tmc429 mode=velocity v_max=2047 a_max=100 pulse_div=3 \
+      ramp_div=5 v_target=500 --change 0.5:v_target=-500 --until 2
+
+Registers are called as in the data sheets; values are decimal, 0x..., or these names:
+  tmc429    mode=ramp|soft|velocity|hold v_min v_max v_target v_actual a_max pulse_div ramp_div
+            x_target x_actual; pmul and pdiv follow from a_max and the dividers if not given;
+            v_min is 1 if not given, as the modules' firmware writes it. What no data sheet tells:
+            last_step=r3|r1|r2
+            factor_rule=percent_99|percent_95|percent_98_8|nearest|nearest_less_one
+            order=ramp_first|pulse_first accumulator=cleared|kept
+  tmc457    mode=position|velocity|hold v_max v_target a_max d_max d_stop bow_max x_target
+  tmc4361   rampmode=position|velocity vmax amax dmax bow1 bow2 bow3 bow4 xtarget, S-shaped ramps
+            only: a model, not exact to the tick; clk_freq is to be f_clk if that is given
+  sixpoint  (TMC5130, TMC5160, TMC5072) rampmode=position|velocity_positive|velocity_negative|hold
+            vstart a1 v1 amax vmax dmax d1 vstop tzerowait xtarget; vstop is vstart, and at least
+            10, if not given
+  mc1451a   profile=s_curve|trapezoidal position velocity acceleration jerk; steps and cycles.
+            With a point, velocity=2.75 is in steps/cycle, and so on; both forms are shown
+f_clk=HZ is the chip's clock (100 kHz to 100 MHz; 16 MHz if not given); mc1451a counts times in
+cycles wherever SECONDS are meant. Mode and target are written last, whatever the order here.
+
+A change acts after everything up to its instant; changes of one instant act in the order given.
+--json prints {"generator", "duration_s", "final_position", "peak_velocity", "ramp_up": {"duration_s",
+"microsteps"}, "ramp_down": likewise, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
+"a"}]}; duration_s is when it last came to rest on its target, null if it does not. The ramps are what
+comes before it is first as fast as it gets, and after that, until it stands there; text says so, too.
+What the chip would take but should not be told is a warning on standard error; settings that
+contradict each other are an error (exit code 2).
+)";
+
+}  // namespace
+
+Form add_profile(Grammar& grammar) {
+  const auto profile =
+      grammar.group("profile", "Compute movements, without any module", profile_help);
+  auto simulate = grammar.verb<verb::Simulate>(
+      profile, "simulate", access::offline("it computes, and asks no module"),
+      "What a chip's ramp generator makes of registers", simulate_help, run);
+  simulate.required_option("--generator", "NAME", generator_names(), text(simulate->generator));
+  auto& said = *simulate.operator->();
+  simulate.words("REGISTER=VALUE",
+                 "What is written before it starts; the others stay as at power-up",
+                 texts(said.settings));
+  simulate.repeated_option(
+      "--change", "SECONDS:REGISTER=VALUE",
+      "Write a register at this time; may be given many times",
+      [&said](const std::string& text) { return read_change(text, said.changes); });
+  simulate.repeated_option(
+      "--sample", "SECONDS,...", "With --json: the motion at these times",
+      [&said](const std::string& text) { return read_times(text, said.samples); });
+  simulate.option("--until", "SECONDS", "End then, and not when it stands on its target",
+                  number(simulate->until, 0.0, longest_simulated_time));
+  simulate.option("--csv", "SECONDS", "Print t,x,v,a every so often instead of drawing",
+                  number(simulate->csv_step, shortest_csv_step, longest_simulated_time));
+  simulate.option("--svg", "FILE", "Draw into this file, not on the screen",
+                  svg_file(simulate->svg));
+  simulate.object(objection_to);
+  return profile;
 }
 
 }  // namespace tmclctl

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "output_file.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
-#include "print.hpp"
 #include "profile/known_values.hpp"
 #include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
@@ -107,14 +107,53 @@ Result<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
   return {};
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::SolveProfile& verb, Output& output) {
   const auto known = profile::read_known_values(verb.words);
   if (!known) return tl::unexpected(known.error());
   const auto solved = plan::solve(known->given, known->assumption);
   if (!solved) return tl::unexpected(error_from(solved.error(), known->unit));
   return show(verb, *solved, *known, output).map([] { return ExitCode::done; });
+}
+
+constexpr const char* solve_help = R"(
+A movement that accelerates, goes at constant speed and decelerates has eight values, of which four
+that do not follow from each other determine the rest:
+  distance, speed, acceleration, deceleration, acceleration_time, slew_time (at constant speed),
+  deceleration_time, total_time
+It goes from rest to rest, unless initial_speed and final_speed, both below speed, are given. The
+distances of the parts may be given, too, each with another value of the same part:
+  acceleration_distance, slew_distance, deceleration_distance
+With an assumption, fewer are enough:
+  symmetric  both ramps are equal: one acceleration, and one time if both ends have the same speed
+  thirds     symmetric, and each of the three parts takes a third of the time; between ends with
+             different speeds the times are equal, and not the accelerations
+
+  tmclctl profile solve distance=20mm total_time=600ms thirds
+  tmclctl profile solve speed=8 acceleration=16 deceleration=16 distance=12
+  tmclctl profile solve distance=90deg speed=1rev/s acceleration=5rev/s^2 symmetric
+  tmclctl --json profile solve distance=200mm total_time=1s speed=250mm/s symmetric
+  tmclctl profile solve initial_speed=2 speed=8 acceleration=3 deceleration=3 distance=40
+
+Prints all of them as a table and draws position and speed; --svg draws into a file; --json prints
+them as plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
+cm, m and in, and deg, rad and rev, can be mixed. Speeds are such as mm/s, accelerations mm/s^2 (or
+mm/s2, mm/s/s); times are in s, ms, us or min. What is printed is in seconds and in the first unit
+of length that was given, and bare numbers are taken as such.
+
+More than enough may be given, as long as it agrees within 1e-9. Too little, values that contradict
+each other, and what is impossible are errors that say so, with a way out (exit code 2).
+)";
+
+}  // namespace
+
+void add_solve(Grammar& grammar, const Form& profile) {
+  auto solve = grammar.verb<verb::SolveProfile>(
+      profile, "solve", access::offline("it computes, and asks no module"),
+      "All of a trapezoid from as much as determines it", solve_help, run);
+  auto& said = *solve.operator->();
+  solve.words("QUANTITY=VALUE[UNIT]", "What is known, and the words symmetric or thirds",
+              texts(said.words));
+  solve.option("--svg", "FILE", "Draw into this file, not on the screen", svg_file(solve->svg));
 }
 
 }  // namespace tmclctl

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
-#include "axis_names.hpp"
-#include "input_file.hpp"
-#include "output_file.hpp"
-#include "print.hpp"
+#include "axis/axis_names.hpp"
+#include "command_line/input_file.hpp"
+#include "command_line/text_problems.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
 #include "program_file.hpp"
-#include "text_problems.hpp"
 #include "tmcl/assembler.hpp"
 #include "tmcl/disassembler.hpp"
 #include "verbs.hpp"
@@ -96,6 +96,8 @@ Result<Program> program_from(const std::string& path, Output& output) {
   });
 }
 
+namespace {
+
 Result<ExitCode> run(const verb::Assemble& verb, Output& output) {
   Result<const tmcl::Model*> model = nullptr;
   if (!verb.model.empty()) model = parse_model(verb.model);
@@ -124,6 +126,75 @@ Result<ExitCode> run(const verb::Disassemble& verb, Output& output) {
     }
     return ExitCode::done;
   });
+}
+
+constexpr std::string_view files = "it is about files";
+
+constexpr const char* program_help = R"(
+'assemble' and 'disassemble' only work on files. All others speak to the module that they name.
+
+  tmclctl program assemble --help      a program's text: a file for the module
+  tmclctl program upload --help        into the module
+  tmclctl program run --help           and let it run
+)";
+
+constexpr const char* assemble_help = R"(
+FILE is a program in the language of the TMCL-IDE:
+
+  #include "speeds.tmc"             // beside this file
+  Far = 2 * $C800                   // constants; ( ) - ~ * / % + & ^ |; $FF, 0xFF, %1010
+  Loop: MVP ABS, 0, Far             /* labels, alone on a line or before a command */
+        WAIT POS, 0, 0
+        JA Loop
+        .raw 250, 1, 2, 3           // any command by its numbers
+
+#include TMCLParam.tmc, a file of the TMCL-IDE, makes names of axis parameters constants, such as
+MaxVelocity; it need not be there. Some names have other numbers on other models: --model says which.
+
+Without -o it prints the listing: address, bytes, line and text. The file that -o names gets eight
+bytes for each command, as the TMCL-IDE and PyTrinamic read them; it is written only if there are no
+problems. Each problem is a line FILE:LINE:COLUMN: MESSAGE on standard error (exit code 2).
+--json prints {"file", "labels": [{"name", "address"}], "program": [{"address", "command", "type",
+"motor", "value", "file", "line"}]}, or {"error": {..., "problems": [{"file", "line", "column",
+"word", "message"}]}}.
+
+  tmclctl program assemble loop.tmc
+  tmclctl program assemble loop.tmc -o loop.bin
+  tmclctl program assemble loop.tmc --model TMCM-1110
+  tmclctl --json program assemble loop.tmc
+)";
+
+constexpr const char* disassemble_help = R"(
+FILE has eight bytes for each command, as the TMCL-IDE, TMCLAsm and 'tmclctl program assemble' write
+them. The text assembles to the same bytes; what is no command of a program becomes .raw COMMAND,
+TYPE, MOTOR, VALUE. --json prints {"file", "commands", "text"}.
+
+  tmclctl program disassemble loop.bin
+  tmclctl program disassemble loop.bin -o loop.tmc
+)";
+
+}  // namespace
+
+Form add_program(Grammar& grammar) {
+  const auto program = grammar.group(
+      "program", "Stand-alone programs: text, bytes, and modules that run them", program_help);
+  auto assemble =
+      grammar.verb<verb::Assemble>(program, "assemble", access::offline(files),
+                                   "Make a program file of a program's text", assemble_help, run);
+  assemble.word("FILE", "The text", text(assemble->file));
+  assemble.option("-o,--output", "FILE", "Write the program into this file",
+                  text(assemble->output));
+  assemble.option("--model", "MODEL", "Whose parameters TMCLParam.tmc names, such as TMCM-1110",
+                  text(assemble->model));
+  assemble.flag("--listing", "Print the listing, too: addresses, bytes and text",
+                assemble->listing);
+  auto disassemble =
+      grammar.verb<verb::Disassemble>(program, "disassemble", access::offline(files),
+                                      "Make text of a program file", disassemble_help, run);
+  disassemble.word("FILE", "The program file", text(disassemble->file));
+  disassemble.option("-o,--output", "FILE", "Write the text into this file, do not print it",
+                     text(disassemble->output));
+  return program;
 }
 
 }  // namespace tmclctl

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "errors.hpp"
-#include "screen.hpp"
+#include "output/errors.hpp"
+#include "output/screen.hpp"
 #include "tmcl/assembler.hpp"
 
 namespace tmclctl {

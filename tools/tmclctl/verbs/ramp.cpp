@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
-#include "print.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/axis.hpp"
 #include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
@@ -82,14 +82,51 @@ void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
   warn(ramp.remarks, output);
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
   const auto ramp = verb.dry_run ? context.call(method_of<api::axis::PlanRamp>(verb))
                                  : context.call(method_of<api::axis::SetRamp>(verb));
   if (!ramp) return tl::unexpected(ramp.error());
   show(verb, *ramp, context.output);
   return ExitCode::done;
+}
+
+constexpr const char* ramp_help = R"(
+On a module with a TMC429 it chooses pulse divider, ramp divider, max_velocity and max_acceleration so
+that they come as near to the wish as the chip can, and a minimum_velocity with which the last
+microstep takes no longer than the others; on other modules it sets max_velocity and all
+accelerations of a ramp. It shows what they give, and refuses while the axis moves. A wish that
+cannot be met is refused with the nearest value that can.
+The dividers scale the other speeds of the axis, too, such as those of the reference search.
+
+On a TMC457 --jerk makes S-shaped ramps: the greatest bow that does not exceed it and with which the
+motor does not swing around its target; max is the greatest of these. A jerk below that of the
+smallest bow, 909495pps/s^2, is refused, and so is any jerk but max on a module without bows. Without
+--jerk the bow is left as it is, and 'tmclctl set x max_bow 0' switches it off. The last line says how long it takes to come
+up to speed, and how far that is.
+
+  tmclctl ramp x --velocity 50000pps --acceleration 200000pps/s
+  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --deceleration 50mm/s^2
+  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --jerk max --dry-run
+)";
+
+}  // namespace
+
+void add_ramp(Grammar& grammar) {
+  auto ramp = grammar.verb<verb::Ramp>(
+      "ramp", access::acts, "Choose and set registers for a velocity and an acceleration",
+      ramp_help, run);
+  ramp.axis(ramp->axis);
+  ramp.required_option("--velocity", "VELOCITY", "Of positioning moves, such as 50000pps",
+                       text(ramp->velocity));
+  ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 100mm/s^2",
+                       text(ramp->acceleration));
+  ramp.option("--deceleration", "ACCELERATION", "To brake with, where the module has it apart",
+              text(ramp->deceleration));
+  ramp.option("--jerk", "JERK",
+              "How fast the acceleration changes, such as 500mm/s^3, or max; as it is without",
+              text(ramp->jerk));
+  ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
+  ramp.internal(ramp->internal);
 }
 
 }  // namespace tmclctl

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "axis_names.hpp"
-#include "print.hpp"
+#include "axis/axis_names.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/spelling.hpp"
@@ -144,8 +144,6 @@ void print(const tmcl::Request& request, const RawAnswer& answer, std::ostream& 
   }
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Raw& verb, Context& context) {
   const auto request = request_from(verb);
   if (!request) return tl::unexpected(request.error());
@@ -168,6 +166,33 @@ Result<ExitCode> run(const verb::Raw& verb, Context& context) {
   }
   warn(answer->warnings, context.output);
   return ExitCode::done;
+}
+
+constexpr const char* raw_help = R"(
+Sends one command as it is and shows the bytes of request and reply. COMMAND and TYPE are numbers
+or names. Numbers may be hexadecimal: 0x43 or $43. Through tmcld the reply's bytes are put together again from what tmcld says.
+
+An axis that is set turning without end (ROR, ROL, SAP 2), or may be by a register of its chip (WRITE_MC,
+WRITE_DRV), is stopped when this program ends, and a warning says so; 'tmclctl rotate' stays, or lets
+the axis turn unattended. The same holds for 'tmclctl set' of target_velocity or ramp_mode.
+
+  tmclctl --direct serial:/dev/ttyACM0 raw 1 GAP actual_position 0 0
+  tmclctl raw --bus bench 1 GET_FIRMWARE_VERSION 1 0 0
+  tmclctl raw 1 MVP ABS 0 51200
+)";
+
+}  // namespace
+
+void add_raw(Grammar& grammar) {
+  auto raw =
+      grammar.verb<verb::Raw>("raw", access::acts, "Send one command as it is", raw_help, run);
+  raw.option("--bus", "NAME", "Which of tmcld's buses; needed if there are several",
+             text(raw->bus));
+  raw.word("ADDRESS", "The module's address", number(raw->address, 0, greatest_address));
+  raw.word("COMMAND", "Name such as GAP, or number", text(raw->command));
+  raw.word("TYPE", "Name such as ABS or a parameter's, or number", text(raw->type));
+  raw.word("MOTOR", "Motor or bank", number(raw->motor));
+  raw.word("VALUE", "May be negative", number(raw->value));
 }
 
 }  // namespace tmclctl

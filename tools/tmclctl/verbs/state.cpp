@@ -1,8 +1,8 @@
 // state
 #include <fmt/format.h>
 
-#include "print.hpp"
-#include "scale_factors.hpp"
+#include "axis/scale_factors.hpp"
+#include "output/print.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -22,8 +22,6 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
         << "' or 'tmclctl recover " << axis << "'\n";
   }
 }
-
-}  // namespace
 
 Result<ExitCode> run(const verb::State& verb, Context& context) {
   const auto reading = state_of(verb.axis, context);
@@ -59,6 +57,22 @@ Result<ExitCode> run(const verb::State& verb, Context& context) {
                        << '\n';
   print_condition(verb.axis, *reading, context.output.out);
   return ExitCode::done;
+}
+
+constexpr const char* state_help = R"(
+Of an axis with a unit it also says how many microsteps, and counts of its encoder, a unit is.
+
+  tmclctl state x
+  tmclctl --json state x                         with every value in both units
+)";
+
+}  // namespace
+
+void add_state(Grammar& grammar) {
+  auto state = grammar.verb<verb::State>("state", access::reads,
+                                         "Show where an axis is and what it does", state_help, run);
+  state.axis(state->axis);
+  state.internal(state->internal);
 }
 
 }  // namespace tmclctl

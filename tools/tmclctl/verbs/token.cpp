@@ -1,6 +1,7 @@
 // token add, token list, token revoke.
 #include "tmcl/api/token.hpp"
-#include "print.hpp"
+
+#include "output/print.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -45,6 +46,39 @@ Result<ExitCode> run(const verb::RevokeToken& verb, Context& context) {
     context.output.out << verb.name << " lets nobody in any more\n";
   }
   return ExitCode::done;
+}
+
+namespace {
+
+constexpr std::string_view alone = "with --direct nobody else is there";
+
+constexpr const char* token_help = R"(
+A token lets a client in from the network, by [http] of tmcld's configuration, with the role that it was
+made for: observe, operate or configure, each with what is before it. It is printed once; tmcld keeps a
+hash of it. 'token revoke' ends the connections and the leases of whoever uses it. All of this needs the
+role configure.
+
+  tmclctl token add --role operate --name lab
+  tmclctl --url https://gateway.example:4143 --token-file lab.token axes
+  tmclctl token list
+  tmclctl token revoke lab
+)";
+
+}  // namespace
+
+void add_tokens(Grammar& grammar) {
+  const auto group = grammar.group("token", "What lets clients in from the network", token_help);
+  auto add = grammar.verb<verb::AddToken>(group, "add", access::tmcld_only(VerbEffect::acts, alone),
+                                          "Make one and print it, this once", token_help, run);
+  add.required_option("--role", "ROLE", "What it lets do: observe, operate or configure",
+                      text(add->role));
+  add.option("--name", "NAME", "What it is called; token-1 or the next without", text(add->name));
+  grammar.verb<verb::Tokens>(group, "list", access::tmcld_only(VerbEffect::reads, alone),
+                             "Which there are", token_help, run);
+  auto revoke = grammar.verb<verb::RevokeToken>(
+      group, "revoke", access::tmcld_only(VerbEffect::acts, alone),
+      "Let nobody in by it any more, and end who is", token_help, run);
+  revoke.word("NAME", "As list has it", text(revoke->name));
 }
 
 }  // namespace tmclctl

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "axis_rows.hpp"
-#include "full_screen.hpp"
-#include "reconnecting_watch.hpp"
+#include "axis/axis_rows.hpp"
+#include "connection/reconnecting_watch.hpp"
+#include "output/full_screen.hpp"
 #include "tmcl/api/axis.hpp"
 
 namespace tmclctl {
@@ -106,8 +106,6 @@ class Top {
   tmcl::TimePoint drawn_at_{};
 };
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Top& verb, Context& context) {
   // Before anything is looked for, which may take a while.
   const auto found = FullScreen::look_for(context.output.out_screen);
@@ -119,6 +117,26 @@ Result<ExitCode> run(const verb::Top& verb, Context& context) {
   if (!screen) return tl::unexpected(screen.error());
   Top top(verb, *rows, **screen, context);
   return top.run().map([] { return ExitCode::done; });
+}
+
+constexpr const char* top_help = R"(
+One row for each axis: whether its module answers, its position, a bar from its lower soft limit to the
+upper one, its velocity, and what else is to be known: latched, referenced, leased, unattended, why it
+stands short of its target. It stays while modules do not answer or tmcld starts again. q or Ctrl-C ends
+it; the axes go on. It needs a terminal: 'watch --all' writes lines.
+
+  tmclctl top
+)";
+
+}  // namespace
+
+void add_top(Grammar& grammar) {
+  auto top = grammar.verb<verb::Top>("top", access::reads, "Show all axes on the whole terminal",
+                                     top_help, run);
+  auto& top_interval = top->interval;
+  top.option("--interval", "MS", "Draw at most once in so many milliseconds (default 200)",
+             milliseconds(top_interval));
+  top.internal(top->internal);
 }
 
 }  // namespace tmclctl

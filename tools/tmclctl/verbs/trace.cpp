@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "axis_names.hpp"
-#include "print.hpp"
+#include "axis/axis_names.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/hex.hpp"
 #include "tmcl/trace_file.hpp"
@@ -144,8 +144,6 @@ Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trac
   }
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Trace& verb, Context& context) {
   const auto bus = bus_of(verb, context);
   if (!bus) return tl::unexpected(bus.error());
@@ -170,6 +168,50 @@ Result<ExitCode> run_on_file(const verb::Trace& verb, Output& output) {
   }
   for (const auto& datagram : trace->datagrams) print(datagram, output);
   return ExitCode::done;
+}
+
+// Of what bus.trace gives at once.
+constexpr std::int32_t most_remembered = 1024;
+
+constexpr const char* trace_help = R"(
+One line for each datagram that tmcld sends over a bus or gets from it, for whichever client: when (UTC),
+-> to the modules or <- from them, the bytes as they were on the wire, what they mean (beginning with the
+address of the module), and who asked: a process, a token, a port. Nobody: tmcld itself. On CAN, the
+identifier of the frame comes first. What belongs to no datagram is shown as garbage.
+
+tmcld remembers the last 4096 datagrams of each bus at any time: after something went wrong, --last shows
+what was before. -w writes a pcapng file (link type USER0) that Wireshark shows with tmcl.lua, which is in
+the folder wireshark beside the examples; --read shows such a file here, and 'tmclsim --replay' asks
+virtual modules the same. Ctrl-C ends it (exit code 0).
+
+  tmclctl trace bench
+  tmclctl trace bench --last 200 --for 0.1
+  tmclctl trace bench -w bench.pcapng --for 60
+  tmclctl trace --read bench.pcapng
+  tmclctl trace bench -w -                     for a pipe: | wireshark -k -i -
+)";
+
+}  // namespace
+
+void add_trace(Grammar& grammar) {
+  auto trace = grammar.verb<verb::Trace>(
+      "trace", access::tmcld_only(VerbEffect::reads, "with --direct nobody else is there"),
+      "Show what goes over a bus", trace_help, run);
+  trace.optional_word("BUS", "Its name; not needed where there is one", text(trace->bus));
+  trace.option("--last", "N", "Begin with the last N datagrams that tmcld remembers",
+               number(trace->last, 1, most_remembered));
+  trace.option("--for", "SECONDS", "End after so long",
+               number(trace->for_s, shortest_time_s, longest_time_s));
+  trace.option("-w,--write", "FILE", "Write a file for Wireshark instead; '-': to standard output",
+               text(trace->file));
+  trace.option("-r,--read", "FILE", "Show what is in such a file", text(trace->read));
+  trace.alone([](const verb::Trace& said) { return !said.read.empty(); }, run_on_file);
+  trace.object(
+      [](const verb::Trace& said, bool) {
+        const bool more = !said.bus.empty() || !said.file.empty() || said.last || said.for_s;
+        return !said.read.empty() && more ? "--read takes nothing beside it" : "";
+      },
+      "'tmclctl trace --read FILE'");
 }
 
 }  // namespace tmclctl

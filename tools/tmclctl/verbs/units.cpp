@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
-#include "axis_names.hpp"
-#include "print.hpp"
+#include "axis/axis_names.hpp"
+#include "output/print.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
@@ -205,8 +205,6 @@ std::vector<Shown> what_to_show(const verb::Convert& verb, const Quantity& quant
   return all;
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Convert& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
@@ -235,6 +233,65 @@ Result<ExitCode> run(const verb::Convert& verb, Output& output) {
   }
   if (output.json) print_json(document, output);
   return ExitCode::done;
+}
+
+Reading read_microsteps(const std::string& text, std::int32_t& into) {
+  const auto value = parse_number<std::int32_t>(text, 1, 1 << tmcl::max_microstep_resolution);
+  if (!value) return tl::unexpected(value.error());
+  if (!std::has_single_bit(static_cast<std::uint32_t>(*value)))
+    return tl::unexpected(fmt::format("{} is no power of two", text));
+  into = *value;
+  return {};
+}
+
+constexpr const char* convert_help = R"(
+Rounds to what such a module can hold, and shows that in all units. A bare number counts in the
+module's own unit, and is shown as a position, a velocity and an acceleration. Dividers and unit
+mode are those that the model starts with, if they are not given. With --acceleration QUANTITY is a
+velocity, and the time and the length of the ramp from rest to it are shown: S-shaped with --bow.
+
+  tmclctl convert --model TMCM-1110 61035pps
+  tmclctl convert --model TMCM-1110 --pulse-div 5 --ramp-div 7 500
+  tmclctl convert --model TMCM-6212 --microsteps 64 2rps
+  tmclctl convert --model TMCM-142 --bow 11
+  tmclctl convert --model TMCM-142 1000000pps/s^2
+  tmclctl convert --model TMCM-142 40000pps --acceleration 400000pps/s --bow 9
+)";
+
+}  // namespace
+
+void add_convert(Grammar& grammar) {
+  auto convert = grammar.verb<verb::Convert>(
+      "convert", access::offline("it computes, and asks no module"),
+      "Show a quantity in all its units, without any module", convert_help, run);
+  convert.optional_word("QUANTITY",
+                        "Such as 500, 61035pps, 2rps, 1.5rev, 100000pps/s or 1e6pps/s^2",
+                        text(convert->quantity));
+  convert.required_option("--model", "MODEL", "Such as TMCM-1110", text(convert->model));
+  convert.option("--pulse-div", "N", "Pulse divider (parameter 154) of a TMC429",
+                 number(convert->pulse_div, 0, tmcl::tmc429_max_divider));
+  convert.option("--ramp-div", "N", "Its ramp divider (parameter 153)",
+                 number(convert->ramp_div, 0, tmcl::tmc429_max_divider));
+  convert.option("--unit-mode", "MODE", "Parameter 255 of other chips",
+                 number(convert->unit_mode, 0, 1));
+  auto& microsteps = convert->microsteps;
+  convert.option(
+      "--microsteps", "N", "Microsteps of a full step (default 256)",
+      [&microsteps](const std::string& text) { return read_microsteps(text, microsteps); });
+  convert.option("--bow", "N", "A bow of a TMC457 (parameter 18) instead of a quantity",
+                 number(convert->bow, 1, tmcl::greatest_bow));
+  convert.option("--acceleration", "ACCELERATION",
+                 "Time and length of the ramp to QUANTITY, a velocity; S-shaped with --bow",
+                 text(convert->acceleration));
+  convert.object(
+      [](const verb::Convert& said, bool) -> std::string {
+        if (!said.acceleration.empty())
+          return said.quantity.empty() ? "--acceleration is of the ramp to a velocity" : "";
+        return said.quantity.empty() == said.bow.has_value() ? "" : "give QUANTITY or --bow";
+      },
+      "such as 'tmclctl convert --model TMCM-142 --bow 11'");
+  convert.option("--full-steps", "N", "Full steps of a turn (default 200)",
+                 number(convert->full_steps, 1, tmcl::max_full_steps));
 }
 
 }  // namespace tmclctl

@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "output_file.hpp"
-#include "print.hpp"
-#include "progress_line.hpp"
+#include "output/output_file.hpp"
+#include "output/print.hpp"
+#include "output/progress_line.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/api/verify.hpp"
 #include "verbs.hpp"
@@ -66,8 +66,6 @@ api::axis::Verify params_of(const verb::Verify& verb) {
   return {verb.axis, from.counted(), from.amount(), to.counted(), to.amount()};
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Verify& verb, Context& context) {
   const auto wanted = is_wanted(verb, context);
   if (!wanted) return tl::unexpected(wanted.error());
@@ -98,6 +96,58 @@ Result<ExitCode> run(const verb::Verify& verb, Context& context) {
     print(found, context.output);
   }
   return ExitCode::done;
+}
+
+/// "-2mm..2mm"
+Reading read_travel(const std::string& said, verb::Verify& verb) {
+  constexpr std::string_view between = "..";
+  const auto at = said.find(between);
+  const auto end = at == std::string::npos ? at : at + between.size();
+  if (at == std::string::npos || at == 0 || end == said.size())
+    return tl::unexpected("'" + said + "' is no travel, such as -2mm..2mm");
+  verb.travel_from = said.substr(0, at);
+  verb.travel_to = said.substr(end);
+  return {};
+}
+
+constexpr const char* verify_module_help = R"(
+What a move will do is foreseen by a twin of the module's ramp generator, and some of what chips and
+firmware do is in no document. This finds it out: small, slow moves, up to a hundred microsteps, and some
+questions. Each move is watched, and every known variant that could not have moved like this is out. The
+table says for each trait what the twin has, what the module was found to be, and how that is known, or
+why it is not: a trait whose variants differ by milliseconds does not show on a line of 9600 baud.
+
+The axis ends where it began, and has the settings that it had. Currents are never touched. A value out of
+range is sent that a module without a check cuts to what it has, and one question to an address that no
+module here has. Nobody else can move or set the axis meanwhile; a stop, or Ctrl-C, ends it: the axis stands
+then, and gets its settings back. It takes a minute or less.
+
+--report writes a file that says all this, for a person and for programs: 'tmclsim --module MODEL --as FILE'
+makes a simulated module like it, and 'as' in a [[module]] of tmcld.toml a twin.
+
+  tmclctl verify x --travel -2mm..2mm
+  tmclctl verify x --yes --report x.toml
+  tmclctl verify 1/0 --travel -100..100 --yes --report -
+)";
+
+}  // namespace
+
+void add_verify(Grammar& grammar) {
+  auto verify = grammar.verb<verb::Verify>("verify", access::acts,
+                                           "Find out in what a module is not like its twin",
+                                           verify_module_help, run);
+  verify.axis(verify->axis);
+  auto& values = *verify.operator->();
+  verify.option("--travel", "FROM..TO",
+                "How far it may go from where it stands; without it, to its soft limits",
+                [&values](const std::string& said) { return read_travel(said, values); });
+  verify.option("--report", "FILE", "Write what was found; '-': to standard output",
+                text(verify->report));
+  verify.flag("--yes", "Do not ask whether the axis may move", verify->yes);
+  verify.internal(verify->internal);
+  verify.object([](const verb::Verify& said, bool json) {
+    return json && said.report == "-" ? "--json and '--report -' both want standard output" : "";
+  });
 }
 
 }  // namespace tmclctl

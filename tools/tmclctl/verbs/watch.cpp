@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "method_words.hpp"
-#include "print.hpp"
-#include "reconnecting_watch.hpp"
+#include "command_line/method_words.hpp"
+#include "connection/reconnecting_watch.hpp"
+#include "output/print.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/utc_text.hpp"
 
@@ -108,8 +108,6 @@ void Watching::tell(std::string_view key, const std::string& text, boost::json::
   output_.out << fmt::format("{:9.3f} s  {}", passed_s(), text) << std::endl;
 }
 
-}  // namespace
-
 Result<ExitCode> run(const verb::Watch& verb, Context& context) {
   auto axes = verb.axes;
   if (verb.all) {
@@ -123,6 +121,36 @@ Result<ExitCode> run(const verb::Watch& verb, Context& context) {
              axes, verb.interval, watching.watcher(),
              [&](const Error* why) { watching.tell_away(why); }, context)
       .map([] { return ExitCode::done; });
+}
+
+constexpr const char* watch_help = R"(
+One line for each change of some axes or of all, until Ctrl-C (exit code 0) or the end of --for, in the
+unit of the axis if it has one. With --json, one document a line. It stays while modules do not answer, a
+bus is lost or tmcld starts again, and says so; documents of that have "event" or "away" instead of "axis".
+
+  tmclctl watch x
+  tmclctl watch --all
+  tmclctl --json watch x y --interval 50 --for 10
+)";
+
+}  // namespace
+
+void add_watch(Grammar& grammar) {
+  auto watch = grammar.verb<verb::Watch>("watch", access::reads, "Show every change of axes",
+                                         watch_help, run);
+  watch.words("AXIS", axis_meaning, texts(watch->axes));
+  watch.flag("--all", "Every axis there is", watch->all);
+  watch.object(
+      [](const verb::Watch& said, bool) {
+        return said.axes.empty() != said.all ? "name one AXIS or more, or say --all" : "";
+      },
+      "'tmclctl axes' lists the axes");
+  auto& interval = watch->interval;
+  watch.option("--interval", "MS", "At most one line in so many milliseconds (default 100)",
+               milliseconds(interval));
+  watch.option("--for", "SECONDS", "End after so long",
+               number(watch->for_s, shortest_time_s, longest_time_s));
+  watch.internal(watch->internal);
 }
 
 }  // namespace tmclctl

@@ -1,0 +1,30 @@
+/// Another program that runs beside this one.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "output/errors.hpp"
+
+namespace tmclctl {
+
+class ChildProcess {
+ public:
+  /// Looks in $PATH. Errors: it cannot be run.
+  static Result<ChildProcess> start(const std::vector<std::string>& command);
+
+  /// Its exit code once it has ended, 128 and its number if a signal ended it.
+  std::optional<int> exit_code();
+  void send(int signal) const;
+
+ private:
+  explicit ChildProcess(pid_t id) : id_(id) {}
+
+  pid_t id_;
+  std::optional<int> exit_code_;
+};
+
+}  // namespace tmclctl

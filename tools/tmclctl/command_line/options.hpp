@@ -1,0 +1,370 @@
+/// What the command line says, as plain values.
+#pragma once
+
+#include <any>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "axis/module_lists.hpp"
+#include "connection/gateway.hpp"
+#include "exit_code.hpp"
+#include "tmcl/plan/stream.hpp"
+#include "verb_info.hpp"
+
+namespace tmclctl {
+
+namespace verb {
+
+struct Scan {
+  ScanRange range;
+};
+struct Modules {};
+struct Axes {};
+/// Of an axis, or of a model that need not be there.
+struct Params {
+  std::string axis;
+  bool values = false;
+  bool internal = false;
+  std::string model;
+  bool globals = false;
+};
+struct Models {};
+/// What this computer has that may lead to modules.
+struct Ports {};
+struct Get {
+  std::string axis;
+  std::string parameter;
+  bool in_units = false;
+};
+struct Set {
+  std::string axis;
+  std::string parameter;
+  std::string value;
+};
+// Positions, distances, velocities and accelerations are kept as they were typed.
+struct Move {
+  std::string axis;
+  std::string position;
+  bool by = false;
+  bool wait = false;
+  std::optional<double> timeout_s;
+  bool internal = false;  ///< Say and tell what the module counts in, here and below.
+};
+/// For what another program started.
+struct Wait {
+  std::vector<std::string> axes;
+  std::optional<double> timeout_s;
+  bool internal = false;
+};
+/// Several axes at once.
+struct Line {
+  struct Goal {
+    std::string axis;
+    std::string position;
+  };
+  std::vector<Goal> goals;
+  std::string velocity, acceleration;  ///< Empty: none.
+  std::optional<double> time_s;
+  bool wait = false;
+  std::optional<double> timeout_s;
+  bool internal = false;
+};
+struct Rotate {
+  std::string axis;
+  std::string velocity;
+  bool unattended = false;
+  bool internal = false;
+};
+struct Stop {
+  std::string axis;
+  bool all = false;
+};
+struct State {
+  std::string axis;
+  bool internal = false;
+};
+struct Watch {
+  std::vector<std::string> axes;
+  bool all = false;
+  std::chrono::milliseconds interval{100};
+  std::optional<double> for_s;
+  bool internal = false;
+};
+/// All axes on the whole terminal.
+struct Top {
+  std::chrono::milliseconds interval{200};
+  bool internal = false;
+};
+struct Buses {
+  double for_s = 1;  ///< So long the load is measured.
+};
+/// What goes over a bus.
+struct Trace {
+  std::string bus;                   ///< Empty: the only one.
+  std::optional<std::int32_t> last;  ///< So many of those that went before, first.
+  std::optional<double> for_s;
+  std::string file;  ///< Empty: none; "-": standard output.
+  std::string read;  ///< A file to show instead; empty: none.
+};
+struct Plot {
+  std::string axis;
+  std::string to;  ///< Empty: none.
+  std::string by;  ///< Empty: none.
+  std::optional<double> for_s;
+  std::string svg;  ///< Empty: none.
+  std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
+  bool compare = false;
+  bool internal = false;
+};
+/// What a module records by itself, at the ticks of its own clock.
+struct Capture {
+  struct Trigger {
+    std::string parameter;
+    std::string edge;  ///< rising, falling or both.
+    std::int32_t value = 0;
+  };
+  std::string axis;
+  std::vector<std::string> channels;
+  std::optional<double> rate_hz;
+  std::optional<std::int32_t> samples;
+  std::optional<double> for_s;
+  std::optional<Trigger> trigger;
+  std::optional<std::int32_t> pretrigger_percent;
+  std::string svg;  ///< Empty: none.
+  std::string csv;  ///< Empty: none; "-": standard output, as without a file.
+  bool resume = false;
+};
+struct Raw {
+  std::string bus;
+  std::uint16_t address = 0;
+  std::string command;
+  std::string type;
+  std::uint8_t motor = 0;
+  std::int32_t value = 0;
+};
+/// A ramp generator without a module around it. Times are in seconds, or in the cycles of a
+/// generator that counts in those.
+struct Simulate {
+  struct Change {
+    double time = 0;
+    std::string setting;  ///< REGISTER=VALUE
+  };
+  std::string generator;
+  std::vector<std::string> settings;
+  std::vector<Change> changes;
+  std::vector<double> samples;
+  std::optional<double> until;
+  std::optional<double> csv_step;
+  std::string svg;  ///< Empty: none.
+};
+/// The whole of a trapezoid from some of its values.
+struct SolveProfile {
+  std::vector<std::string> words;  ///< QUANTITY=VALUE[UNIT], or an assumption.
+  std::string svg;                 ///< Empty: none.
+};
+/// A Mint program, run without axes.
+struct CheckMint {
+  std::string file;
+};
+/// And on axes.
+struct RunMint {
+  std::string file;
+  std::vector<std::string> axes;  ///< NUMBER=AXIS
+  bool counts_encoder = false;
+};
+/// A path file, planned without axes. Limits are in its units.
+struct CheckPath {
+  std::string file;
+  double tolerance = 0.05;
+  double velocity = 100;
+  double acceleration = 1000;
+  std::optional<double> feed, corner_jump;
+  std::string svg;  ///< Empty: none.
+  bool legs = false;
+  std::optional<double> microsteps_per_unit;
+};
+/// And run on axes.
+struct RunPath {
+  std::string file;
+  std::vector<std::string> axes;  ///< LETTER=AXIS
+  tmcl::plan::StreamMode mode = tmcl::plan::StreamMode::velocity;
+  double tolerance = 0.05;
+  std::string velocity, acceleration, feed, corner_jump;  ///< As typed; empty: none.
+  std::optional<double> per_turn, deviation;
+  std::chrono::milliseconds period{5};
+  bool dry_run = false;
+  std::string svg;  ///< Empty: none.
+};
+/// The text of a stand-alone program into a program file.
+struct Assemble {
+  std::string file;
+  std::string model;   ///< Empty: not known.
+  std::string output;  ///< Empty: none.
+  bool listing = false;
+};
+/// And the other way.
+struct Disassemble {
+  std::string file;
+  std::string output;  ///< Empty: to standard output.
+};
+struct FirmwareInfo {
+  std::string file;
+};
+struct CheckFirmware {
+  std::string file;
+  std::string module;
+};
+struct UploadFirmware {
+  std::string file;
+  std::string module;
+  bool force = false;
+};
+/// Makes a ramp of a velocity and an acceleration: dividers and registers, or plain parameters.
+struct Ramp {
+  std::string axis;
+  std::string velocity;
+  std::string acceleration;
+  std::string deceleration;  ///< Empty: the acceleration.
+  std::string jerk;          ///< Or "max"; empty: the bow is left as it is.
+  bool dry_run = false;
+  bool internal = false;
+};
+/// One quantity in all its forms, on a module that need not be there.
+struct Convert {
+  std::string model;
+  std::optional<std::int32_t> pulse_div;
+  std::optional<std::int32_t> ramp_div;
+  std::optional<std::int32_t> unit_mode;
+  std::int32_t microsteps = 256;
+  std::int32_t full_steps = 200;
+  std::optional<std::int32_t> bow;
+  std::string acceleration;  ///< Of a ramp to the quantity, a velocity; empty without one.
+  std::string quantity;      ///< May be empty with a bow.
+};
+/// What is one method of tmcld (docs/PROTOCOL.md), done with or without it.
+struct Ask {
+  std::string method;
+  std::string axis;
+  std::string module;     ///< ADDRESS or BUS:ADDRESS
+  std::string parameter;  ///< Number or name.
+  std::optional<std::int32_t> bank, number, port, value, at, first_address;
+  std::string position;  ///< Empty: none.
+  std::vector<std::uint8_t> motors;
+  std::vector<std::string> axes;
+  bool interpolated = false;
+  bool sure = false;
+  bool internal = false;
+};
+/// Axes whose module is not what it was may move again.
+struct Recover {
+  std::string axis;
+  bool all = false;
+};
+/// What modules say is wrong.
+struct Errors {
+  std::string axis;  ///< Empty: all there are.
+};
+/// Of the module of an axis: whether it stops its motors when no host sends it anything.
+struct SetDeadman {
+  std::string axis;
+  std::int32_t ms = 0;  ///< 0: off.
+};
+struct TestDeadman {
+  std::string axis;
+};
+/// In what the module of an axis is not like its twin.
+struct Verify {
+  std::string axis;
+  std::string travel_from;  ///< Empty: to its soft limits; as typed, from where it stands.
+  std::string travel_to;
+  std::string report;  ///< Empty: none; "-": to standard output, and nothing else.
+  bool yes = false;
+  bool internal = false;
+};
+/// Lets a module tell when motors arrive, and shows that.
+struct Arrivals {
+  std::string module;
+  std::vector<std::uint8_t> motors;
+  bool next = false;
+  bool off = false;
+  std::optional<double> for_s;
+};
+struct Home {
+  std::string axis;
+  std::optional<std::int32_t> mode;
+  std::optional<double> timeout_s;
+  std::string max_travel;  ///< Empty: as the configuration says.
+  bool leave = false;
+  bool no_wait = false;
+  bool internal = false;
+  bool stop = false;
+};
+/// A program into a module, or compared with what is there.
+struct Upload {
+  std::string file;
+  std::string module;
+  std::optional<std::int32_t> first_address;
+  bool only_compare = false;
+  bool no_compare = false;
+  bool run = false;
+};
+/// And out of it.
+struct Download {
+  std::string module;
+  std::string output;  ///< Empty: as text to standard output; *.bin: a program file; else text.
+  std::optional<std::int32_t> first_address, length;
+};
+/// A program that has some axes for itself.
+struct RunLeased {
+  std::vector<std::string> axes;
+  std::optional<double> ttl_s;
+  std::vector<std::string> command;  ///< What stands behind "--".
+};
+struct Leases {};
+struct AddToken {
+  std::string role;
+  std::string name;  ///< Empty: the daemon gives it one.
+};
+struct Tokens {};
+struct RevokeToken {
+  std::string name;
+};
+struct BreakLease {
+  std::string axis;
+};
+/// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
+/// target; everything else is answered by the parser.
+struct Complete {
+  std::string what;
+};
+
+}  // namespace verb
+
+/// A verb, and what was typed with it.
+struct Verb {
+  std::any said;                                       ///< One of namespace `verb`.
+  std::function<Result<ExitCode>(Context&)> run;       ///< Empty where no gateway is needed.
+  std::function<Result<ExitCode>(Output&)> run_alone;  ///< Empty where one is.
+};
+
+struct Options {
+  Where where;
+  bool json = false;
+  Verb verb;
+  std::optional<VerbInfo> info;  ///< Nothing for what only the shell's completion asks.
+};
+
+/// The command line was about tmclctl itself: print this and end.
+struct Information {
+  std::string text;
+};
+
+/// `arguments` without the program's name.
+Result<std::variant<Options, Information>> parse_options(const std::vector<std::string>& arguments);
+
+}  // namespace tmclctl

@@ -1,0 +1,128 @@
+#include "tmclctl.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "command_line/options.hpp"
+#include "output/print.hpp"
+#include "verbs/ask.hpp"
+
+namespace tmclctl {
+namespace {
+
+ExitCode complain(const Error& error, ExitCode exit, Output& output) {
+  if (output.json) {
+    print_json({{"error", error_document(error, exit)}}, output);
+  } else {
+    output.err << "tmclctl: " << error_text(error) << '\n';
+  }
+  return exit;
+}
+
+bool reads(const Options& options) {
+  const auto* ask = std::any_cast<verb::Ask>(&options.verb.said);
+  if (ask != nullptr) return only_reads(ask->method);
+  return options.info->effect == VerbEffect::reads;
+}
+
+/// Where no answer leaves open whether something was done: a verb that reads has done nothing.
+ExitCode complain(Error error, const Options& options, Output& output) {
+  auto exit = exit_code_of(error);
+  if (error.outcome == tmcl::Outcome::unknown) {
+    if (reads(options) && exit == ExitCode::unknown) exit = ExitCode::not_sent;
+    if (!reads(options) && options.info->effect == VerbEffect::acts)
+      error.message += "; it may or may not have been executed";
+  }
+  return complain(error, exit, output);
+}
+
+/// How long the gateway is waited for, and how long all may take.
+struct Patience {
+  tmcl::Duration wait = usual_wait;
+  std::optional<tmcl::Duration> in_all{};
+};
+
+Patience patience_of(const Options& options) {
+  // The shell's completion must not hang.
+  if (!options.info) return {tmcl::Duration{}};
+  if (options.info->name == "stop") return {wait_before_stop, time_for_stop};
+  return {};
+}
+
+/// `ready` stands for the gateway that the command line names, if it is there already.
+Result<ExitCode> run_on_gateway(const Options& options, Output& output, Host& host,
+                                Gateway* ready) {
+  std::optional<Gateway> opened;
+  if (ready == nullptr) {
+    const auto [wait, in_all] = patience_of(options);
+    auto gateway = open_gateway(options.where, wait, host, in_all);
+    if (!gateway) return tl::unexpected(gateway.error());
+    ready = &opened.emplace(std::move(*gateway));
+  }
+  Context context{*ready, output, host};
+  auto result = options.verb.run(context);
+  const auto* line = std::any_cast<verb::Line>(&options.verb.said);
+  const bool waited = line != nullptr && line->wait && result;
+  const auto seen = wait_for_motion_to_end(context, !waited);
+  if (!seen) return tl::unexpected(seen.error());
+  return result;
+}
+
+std::optional<Error> refusal(const Options& options) {
+  const auto& info = options.info;
+  if (options.where.direct.empty() || !info || info->doors != Doors::tmcld_only) return {};
+  return usage_error("method_not_found", fmt::format("'tmclctl {}' needs a running tmcld: {}",
+                                                     info->name, info->reason));
+}
+
+Result<ExitCode> run(const Options& options, Output& output, Host& host, Gateway* ready) {
+  if (options.verb.run_alone) return options.verb.run_alone(output);
+  if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
+  host.catch_signals();
+  return run_on_gateway(options, output, host, ready);
+}
+
+/// A disk may be full.
+ExitCode with_output_written(ExitCode exit, Output& output) {
+  if (output.out.flush() || exit != ExitCode::done) return exit;
+  output.err << "tmclctl: it was done, but the output cannot be written\n";
+  return ExitCode::refused;
+}
+
+ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Host& host,
+                  Gateway* ready) {
+  // Also for the errors of a command line that cannot be read.
+  output.json = std::ranges::find(arguments, "--json") != arguments.end();
+  const auto parsed = parse_options(arguments);
+  if (!parsed) return complain(parsed.error(), exit_code_of(parsed.error()), output);
+  if (const auto* information = std::get_if<Information>(&*parsed)) {
+    output.out << information->text;
+    return ExitCode::done;
+  }
+  const auto& options = std::get<Options>(*parsed);
+  const auto result = run(options, output, host, ready);
+  if (result) return *result;
+  auto error = result.error();
+  if (!options.info) return exit_code_of(error);
+  if (error.kind == ErrorKind::interrupted && host.signal() != 0)
+    error.subject["signal"] = host.signal();
+  return complain(std::move(error), options, output);
+}
+
+}  // namespace
+
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host) {
+  return with_output_written(run_with(arguments, output, host, nullptr), output);
+}
+
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host,
+             Gateway& gateway) {
+  return run_with(arguments, output, host, &gateway);
+}
+
+}  // namespace tmclctl
