@@ -160,6 +160,13 @@ TEST(PlanMint, LinesAndTheirNumberAreBounded) {
   EXPECT_THAT(complaint(std::string(most_text_lines + 1, '\n')), HasSubstr("too many lines"));
 }
 
+TEST(PlanMint, StatementsAreBounded) {
+  std::string text;
+  for (std::size_t statement = 0; statement < most_statements; ++statement) text += "SPEED=1\n";
+  EXPECT_TRUE(read(text));
+  EXPECT_THAT(complaint(text + "SPEED=1:GO\n"), HasSubstr("100000 statements at most"));
+}
+
 TEST(PlanMint, MovesAreLoadedAndThenGoTogether) {
   const auto run = ran(
       "SPEED = 10;\nACCEL = 100;\nMOVER[0,1] = 10, 20\nGO[1]\nGO[0]\nMOVEA[0,1] = 0; : GO[0,1]\n");

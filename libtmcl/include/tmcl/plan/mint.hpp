@@ -21,6 +21,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -35,6 +36,8 @@
 namespace tmcl::plan::mint {
 
 constexpr unsigned most_axes = 8;
+/// A program with more is refused.
+constexpr std::size_t most_statements = 100'000;
 
 enum class Keyword : std::uint8_t { scale, speed, accel, decel, movea, mover, go };
 /// "SPEED"

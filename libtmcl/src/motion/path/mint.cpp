@@ -331,7 +331,10 @@ tl::expected<Program, TextProblems> read(std::string_view text) {
   for_each_line(text, problems, [&](std::string_view line, std::size_t number) {
     const auto read = LineReader(line, number).read(program);
     if (!read) problems.add(number, read.error().column, read.error().message);
-    return true;
+    if (program.size() <= most_statements) return true;
+    problems.add(number, 0,
+                 fmt::format("the program is too long; {} statements at most", most_statements));
+    return false;
   });
   if (!problems.empty()) return tl::unexpected(problems.take());
   return program;
