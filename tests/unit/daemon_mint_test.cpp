@@ -48,6 +48,17 @@ TEST(DaemonMint, GroupAfterGroupIsRunAndTheRampsAreAsTheyWere) {
   EXPECT_FALSE(bench.gateway->has_journeys());
 }
 
+TEST(DaemonMint, GroupsThatMoveNothingDoNotKeepTheReactor) {
+  JourneyBench bench;
+  std::string text;
+  for (int group = 0; group < 20'000; ++group) text += "MOVEA=0:GO\n";
+  const auto run = bench.begin("mint.run", order(text, {"x"}));
+  bench.time.run_for(std::chrono::seconds(1));
+  EXPECT_FALSE(run->has_value());
+  bench.call("axis.stop", {{"axis", "x"}});
+  EXPECT_FALSE(bench.end_of(run));
+}
+
 TEST(DaemonMint, WhatIsTooFastIsRefusedWithAWayOut) {
   JourneyBench bench;
   const auto refused =

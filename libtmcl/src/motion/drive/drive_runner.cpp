@@ -13,7 +13,6 @@ namespace {
 
 namespace ap = axis_parameter;
 
-constexpr Duration drive_look_interval = std::chrono::milliseconds(20);
 constexpr int stop_attempts = 3;
 constexpr Duration longest_braking = std::chrono::seconds(10);
 

@@ -10,6 +10,9 @@
 
 namespace tmcl::plan {
 
+/// Between two looks at axes that are on their way.
+constexpr Duration drive_look_interval = std::chrono::milliseconds(20);
+
 /// The settings of an axis, as they were and as they are.
 class KeptSettings {
  public:

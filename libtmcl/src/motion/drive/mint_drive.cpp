@@ -10,7 +10,9 @@ namespace tmcl::plan {
 class MintDrive::Runner final : public DriveRunner {
  public:
   Runner(std::vector<MintDriveGroup> groups, std::vector<MintDriveAxis> axes)
-      : DriveRunner(axes.size()), groups_(std::move(groups)), axes_(std::move(axes)) {}
+      : DriveRunner(axes.size()), groups_(std::move(groups)), axes_(std::move(axes)) {
+    report_.took.reserve(groups_.size());
+  }
 
   const MintReport& report() const { return report_; }
   const std::vector<MintDriveGroup>& groups() const { return groups_; }
@@ -34,6 +36,8 @@ class MintDrive::Runner final : public DriveRunner {
   }
 
   Script<Fault> pass(const MintDriveGroup& group) {
+    // Its axes stand where it sends them: a program of such groups must not keep its runner busy.
+    if (group.moves.empty()) co_await until(now_ + drive_look_interval);
     for (const auto& move : group.moves) {
       auto wrong = co_await set_ramp(move);
       if (wrong) co_return wrong;
