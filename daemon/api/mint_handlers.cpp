@@ -161,6 +161,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   if (!planned) co_return error_of(planned.error(), "text");
   turn.reset();
   place.reset();
+  place = co_await must(place_for(call, planned->bytes()));
   co_await must_not(refusal_to_begin(call));
 
   if (members.members.empty()) {

@@ -31,7 +31,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {daemon, "moves_need_lease", boolean, optional, 0, 0, any,
      "who moves an axis needs a lease of it, but for lines and paths"},
     {daemon, "planning_memory_mb", integer, optional, 8, 4096, any,
-     "memory for paths and programs that are planned or wait for that; half of it for one client"},
+     "memory for paths and programs that wait to be planned or are run; half of it for one client"},
 
     {http, "listen", strings, required, 0, 0, any,
      "addresses that are served, such as 127.0.0.1:4143"},

@@ -8,6 +8,7 @@
 
 #include "memory/allocations.hpp"
 #include "memory/bench.hpp"
+#include "tmcl/plan/mint_preparation.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld::test {
@@ -72,6 +73,64 @@ TEST(MemoryOfPlans, ThatArePassedIsWhatTheBudgetCounts) {
     EXPECT_LE(course->bytes(), taken_bytes() + sizeof *course);
   }
 }
+
+// ---- Mint programs -----------------------------------------------------------------------------
+
+std::vector<plan::MintAxis> mint_axes() {
+  std::vector<plan::MintAxis> axes;
+  for (unsigned number = 0; number < plan::mint::most_axes; ++number) {
+    plan::MintAxis axis{number, {"x", tmcl::find_model("TMCM-1110")}, {}};
+    axis.units.module = tmcl::module_units(tmcl::Tmc429Dividers{7, 7});
+    axes.push_back(std::move(axis));
+  }
+  return axes;
+}
+
+/// As long as a program may be.
+std::string mint_program(std::string_view to, std::string_view back) {
+  std::string text = "SPEED = 9000;\nACCEL = 90000;\n";
+  for (std::size_t statements = 6; statements <= plan::mint::most_statements; statements += 4) {
+    text += to;
+    text += ":GO\n";
+    text += back;
+    text += ":GO\n";
+  }
+  return text;
+}
+
+TEST(MemoryOfMintPlans, ThatAreRunIsWhatTheBudgetCounts) {
+  const auto axes = mint_axes();
+  for (const auto& text :
+       {mint_program("MOVEA=500", "MOVEA=0"), mint_program("MOVEA[0,1]=500;", "MOVEA[0,1]=0;")}) {
+    const auto program = plan::read_mint(text);
+    ASSERT_TRUE(program);
+    begin_to_measure();
+    const Watched watched;
+    auto planned = plan::plan_mint(*program, axes);
+    ASSERT_TRUE(planned) << planned.error().message;
+    const auto counted = planned->bytes();
+    const plan::MintDrive drive(std::move(planned->groups), {{0, 0}, {0, 1}});
+    EXPECT_GE(1.1 * static_cast<double>(counted), static_cast<double>(taken_bytes()));
+    EXPECT_LE(counted, taken_bytes() + sizeof *planned);
+  }
+}
+
+TEST(MemoryOfMintPlans, ThatAreMadeIsBoundedByTheirStatements) {
+  constexpr std::size_t most = std::size_t{150} << 20;
+  const auto axes = mint_axes();
+  const auto text = mint_program("MOVEA[0,1,2,3,4,5,6,7]=500;", "MOVEA[0,1,2,3,4,5,6,7]=0;");
+  begin_to_measure();
+  const Watched watched;
+  const auto program = plan::read_mint(text);
+  ASSERT_TRUE(program) << program.error().problems.front().message;
+  const auto planned = plan::plan_mint(*program, axes);
+  ASSERT_TRUE(planned) << planned.error().message;
+  EXPECT_LE(most_bytes(), most);
+  std::cout << text.size() << " bytes of text: " << (most_bytes() >> 20) << " MB at most, "
+            << (planned->bytes() >> 20) << " MB while it is run\n";
+}
+
+// ---- paths -------------------------------------------------------------------------------------
 
 struct Text {
   const char* name;

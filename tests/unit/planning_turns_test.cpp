@@ -195,6 +195,32 @@ TEST_F(PlanningTurns, ShareTheirMemoryWithCoursesThatArePassed) {
   EXPECT_EQ(gateway->planning.taken(), 0U);
 }
 
+TEST_F(PlanningTurns, ShareTheirMemoryWithProgramsThatRun) {
+  constexpr std::size_t groups = 10'000;
+  std::string text = "SPEED = 9000\nACCEL = 90000\n";
+  for (std::size_t group = 0; group < groups; group += 2) text += "MOVEA=500:GO:MOVEA=0:GO\n";
+  const auto one = client();
+  const auto run = begin(one, "mint.run", {{"axes", json::array{"x"}}, {"text", text}});
+  time.run_for(1min);
+  ASSERT_FALSE(has_ended(run)) << (**run).error().message;
+  EXPECT_GT(gateway->planning.taken(), groups * 100);
+  // It has room while it is planned, and not while it is run.
+  const auto refused = begin(one, "mint.run", {{"axes", json::array{"y"}}, {"text", text}});
+  time.run_while_not([&] { return has_ended(refused); }, 1min);
+  ASSERT_TRUE(has_ended(refused));
+  ASSERT_FALSE(**refused);
+  EXPECT_EQ((**refused).error().name, "queue_full");
+  EXPECT_THAT((**refused).error().message,
+              HasSubstr("plans of client wait or are made, or its paths and programs run"));
+  EXPECT_EQ(position("y"), 0);
+  EXPECT_TRUE(gateway->planning.take(client()->client().number, "other", 1'000)) << "has room";
+
+  begin(client(), "axis.stop", {{"axis", "x"}});
+  time.run_while_not([&] { return has_ended(run); }, 1min);
+  EXPECT_TRUE(has_ended(run));
+  EXPECT_EQ(gateway->planning.taken(), 0U);
+}
+
 TEST_F(PlanningTurns, AStopComesAfterSoManyStepsWhateverIsPlanned) {
   const auto stop_steps = [&] {
     const auto stop = begin(client(), "axis.stop", {{"axis", "y"}});

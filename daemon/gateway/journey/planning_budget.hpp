@@ -1,6 +1,6 @@
-/// How much memory plans of paths and programs may take that wait for their turn, and courses that
-/// are passed, in all and for each client. Beside that there is what one plan takes while it is
-/// made, and the one that is kept.
+/// How much memory plans of paths and Mint programs may take that wait for their turn, and what
+/// has been planned while it is run, in all and for each client. Beside that there is what one plan
+/// takes while it is made, and the path that is kept.
 ///
 /// Does no I/O. Thread safety: none. What it holds is bounded by the number of clients.
 #pragma once
@@ -29,7 +29,7 @@ class PlanningBudget {
   };
 
  public:
-  /// What one plan or course takes, for as long as this lives.
+  /// What one plan takes, or what is run by it, for as long as this lives.
   using Place = std::unique_ptr<const std::size_t, End>;
 
   void set_limit(std::size_t bytes) { limit_ = bytes; }

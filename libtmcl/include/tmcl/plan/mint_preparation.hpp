@@ -2,6 +2,7 @@
 /// is to be found out, and found wrong, before anything moves.
 #pragma once
 
+#include <cstddef>
 #include <set>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ struct MintPlan {
   /// Moves that no GO starts, and what modules will do instead of what they cannot do; sentences
   /// without a full stop.
   std::vector<std::string> remarks;
+
+  /// What it holds of memory, and a drive that it is given to.
+  std::size_t bytes() const;
 };
 
 /// What the program does to axes that stand there. Objections: bad_program; missing_axis for a move

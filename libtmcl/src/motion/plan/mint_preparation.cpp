@@ -109,6 +109,17 @@ std::set<unsigned> axes_moved_by(const mint::Program& program) {
   return moved;
 }
 
+std::size_t MintPlan::bytes() const {
+  constexpr auto of_group = sizeof(MintDriveGroup) + sizeof(Duration);  // and how long it took
+  auto bytes = sizeof *this + groups.capacity() * of_group;
+  for (const auto& group : groups) {
+    bytes += group.moves.capacity() * sizeof(MintDriveMove);
+    for (const auto& move : group.moves) bytes += move.ramp.capacity() * sizeof(Setting);
+  }
+  for (const auto& remark : remarks) bytes += sizeof remark + remark.capacity();
+  return bytes;
+}
+
 PathResult<MintPlan> plan_mint(const mint::Program& program, const std::vector<MintAxis>& axes) {
   mint::Positions start{};
   for (const auto& axis : axes)
