@@ -11,6 +11,7 @@
 #include <boost/asio/this_coro.hpp>
 
 #include "async/wake.hpp"
+#include "tmcl/result_copy.hpp"
 
 namespace tmcld {
 
@@ -62,7 +63,7 @@ class SharedWork {
     }
     T found() const {
       if (failure) std::rethrow_exception(failure);
-      return result.value();
+      return tmcl::copy_of(*result);
     }
 
     bool ended = false;

@@ -1,6 +1,7 @@
 #include "gateway/stop_all.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
@@ -101,10 +102,11 @@ awaitable<Reports> stop_bus(std::vector<Target> targets, std::uint64_t client) {
   const std::vector<Target> last(first_delaying, targets.end());
   auto reports = co_await stop_each(first, client);
   auto late = co_await stop_each(last, client);
-  reports.insert(reports.end(), late.begin(), late.end());
-  Reports in_place(reports.size());
-  for (std::size_t i = 0; i < reports.size(); ++i)
-    in_place[targets[i].place] = std::move(reports[i]);
+  // A vector that grows would copy them: see copy_of().
+  Reports in_place(targets.size());
+  auto target = targets.begin();
+  for (auto* part : {&reports, &late})
+    for (auto& report : *part) in_place[(target++)->place] = std::move(report);
   co_return in_place;
 }
 
@@ -116,9 +118,12 @@ awaitable<Reports> stop_all(std::shared_ptr<Gateway> gateway, std::uint64_t clie
   for (const auto& bus : gateway->buses())
     stops.push_back(stop_bus(targets_of(*gateway, bus), client));
   const StopInProgress in_progress(std::move(gateway));
-  const auto of_each_bus = co_await gather(std::move(stops));
+  auto of_each_bus = co_await gather(std::move(stops));
+  std::size_t count = 0;
+  for (const auto& reports : of_each_bus) count += reports.size();
   Reports all;
-  for (const auto& reports : of_each_bus) all.insert(all.end(), reports.begin(), reports.end());
+  all.reserve(count);
+  for (auto& reports : of_each_bus) std::ranges::move(reports, std::back_inserter(all));
   co_return all;
 }
 

@@ -157,7 +157,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
     });
   };
   const auto destination = [=, aim = *admitted](Microsteps here) -> tmcl::Result<Microsteps> {
-    const auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
+    auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
     if (there) aim.aim_at({*there, *request});
     return there;
   };
@@ -233,7 +233,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t cl
   // A firmware that searches on may start the motor again. What cannot be sent now is sent later.
   if (!was_searching) co_return result;
   auto ended = co_await stop_home();
-  co_return result ? ended : result;
+  co_return std::move(result ? ended : result);
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop_without_revoking() {

@@ -60,7 +60,7 @@ Script<tmcl::Result<void>> Deadman::adopt(tmcl::FoundModule found) {
 
 Script<tmcl::Result<void>> Deadman::set_as_configured() {
   const auto before = set_ms_.value_or(0);
-  const auto written = co_await write(*wanted_ms_);
+  auto written = co_await write(*wanted_ms_);
   const auto what = "deadman of module " + std::to_string(number(address_)) + " from " +
                     std::to_string(before) + " to " + std::to_string(*wanted_ms_) + " ms";
   bus_.audit(what +
@@ -74,7 +74,7 @@ Script<tmcl::Result<void>> Deadman::set_as_configured() {
 }
 
 Script<tmcl::Result<std::int32_t>> Deadman::read() {
-  const auto value = co_await tmcl::verbs::get_global(address_, bank, parameter());
+  auto value = co_await tmcl::verbs::get_global(address_, bank, parameter());
   if (!value && value.error().outcome != Outcome::refused) co_return value;
   is_missing_ = !value;
   note_set(value.value_or(0));

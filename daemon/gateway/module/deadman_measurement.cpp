@@ -101,7 +101,7 @@ class Measurement {
 
 GatewayAxis::Awaitable<std::int32_t> Measurement::slow_speed(double greatest_pps,
                                                              tmcl::PulsesPerSecond unit) {
-  const auto set = co_await axis().get(ap::max_velocity, {});
+  auto set = co_await axis().get(ap::max_velocity, {});
   if (!set) co_return set;
   auto slow = std::min(*set, static_cast<std::int32_t>(greatest_pps / unit.value));
   if (const auto limits = axis().motion_limits()) {
@@ -193,7 +193,7 @@ GatewayAxis::Awaitable<void> Measurement::set_out(DeadmanPlan plan) {
 GatewayAxis::Awaitable<std::int32_t> Measurement::be_silent(tmcl::Duration duration) {
   const auto hold = std::make_shared<const tmcl::Hold>();
   auto script = ask_held(axis().address(), ap::actual_position, hold);
-  const auto heard_at = co_await axis().perform(std::move(script), {});
+  auto heard_at = co_await axis().perform(std::move(script), {});
   if (!heard_at) co_return heard_at;
   const auto until = axis().bus().clock().now() + duration;
   while (axis().bus().clock().now() < until) {

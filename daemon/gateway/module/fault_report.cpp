@@ -133,7 +133,7 @@ Script<tmcl::Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
                                                std::string_view name) {
   const auto* row = find_parameter(parameters, name);
   if (row == nullptr) co_return 0;
-  const auto value = co_await tmcl::verbs::get(axis, row->number);
+  auto value = co_await tmcl::verbs::get(axis, row->number);
   if (!value && value.error().outcome == tmcl::Outcome::refused) co_return 0;
   co_return value;
 }

@@ -190,7 +190,7 @@ Script<Result<Microsteps>> move_from_here(AxisAddress axis, Destination destinat
     error.outcome = Outcome::not_sent;
     co_return tl::unexpected(std::move(error));
   }
-  const auto there = destination(Microsteps{*here});
+  auto there = destination(Microsteps{*here});
   if (!there) co_return there;
   co_return co_await move_to(axis, *there);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/call_errors.hpp"
+#include "tmcl/result_copy.hpp"
 
 namespace tmcl::engine {
 namespace {
@@ -261,17 +262,6 @@ Duration BusEngine::reply_time(const CallOptions& options) const {
 }
 
 // ---- what goes out ------------------------------------------------------------------------------
-
-namespace {
-
-/// The copy constructor of tl::expected ends the program where there is no memory for an error.
-Result<Answer> copy_of(const Result<Answer>& result) {
-  if (result) return *result;
-  auto error = result.error();
-  return tl::unexpected(std::move(error));
-}
-
-}  // namespace
 
 void BusEngine::complete(const Call& call, const Result<Answer>& result) {
   actions_.push_back(Completion{call.ticket, copy_of(result)});

@@ -41,7 +41,7 @@ Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions option
   // In pauses: after several lost answers the bus itself asks nothing for some seconds.
   Duration silent{};
   while (true) {
-    const auto step = co_await ask(search_request(axis, search_type::status), call);
+    auto step = co_await ask(search_request(axis, search_type::status), call);
     const auto now = co_await current_time();
     const bool patient = silent < options.silence_limit && !is_over(call, now);
     if (step || !is_silence(step.error()) || !patient) co_return step;
@@ -51,7 +51,7 @@ Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions option
 }
 
 Script<Result<void>> start_search(AxisAddress axis, CallOptions call) {
-  const auto started = co_await act(search_request(axis, search_type::start), call);
+  auto started = co_await act(search_request(axis, search_type::start), call);
   if (started || started.error().outcome != Outcome::unknown) co_return started;
   const auto step = co_await ask(search_request(axis, search_type::status), call);
   if (step && *step != 0) co_return Result<void>{};

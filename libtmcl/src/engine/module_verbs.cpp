@@ -43,7 +43,7 @@ Script<Result<std::int32_t>> get_io(ModuleAddress module, IoBank bank, std::uint
 
 Script<Result<void>> set_output(ModuleAddress module, std::uint8_t port, std::int32_t value) {
   const auto bank = static_cast<std::uint8_t>(IoBank::digital_outputs);
-  const auto done = co_await act({module, Command::SIO, port, bank, value});
+  auto done = co_await act({module, Command::SIO, port, bank, value});
   if (done || done.error().outcome != Outcome::unknown) co_return done;
   const auto present = co_await get_io(module, IoBank::digital_outputs, port);
   if (present && *present == value) co_return Result<void>{};
