@@ -75,6 +75,7 @@ boost::asio::awaitable<Result<boost::json::object>> dispatch(std::shared_ptr<Gat
   auto caller = peer->caller();
   auto permit = gateway->admit(*client);
   permit.exceeds_limits = caller.exceeds_limits;
+  permit.only_asks = request.method->effect == tmcl::Effect::reads;
   permit.needs_lease = gateway->moves_need_lease() && request.method->effect == tmcl::Effect::moves;
   // A deadline counts from there.
   const auto now = gateway->clock().now();

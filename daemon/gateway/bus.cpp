@@ -69,6 +69,13 @@ void GatewayBus::stop_at_once() const noexcept {
   motors().for_each([this](tmcl::AxisAddress motor) { line()->stop_at_once(motor); });
 }
 
+void GatewayBus::end_reads_of_gone_clients() const noexcept {
+  try {
+    if (line()) line()->end_unwanted_reads();
+  } catch (...) {  // without memory for that they end when their turn comes
+  }
+}
+
 void GatewayBus::retire() {
   retired_ = true;
   emit({GatewayEvent::Kind::link_lost, config_.name, {}, 0, std::string(why_retired)});

@@ -61,6 +61,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   }
   /// The same, because the configuration has no such bus any more: those who use it are told.
   void retire();
+  /// What clients that have gone only wanted to know keeps no others waiting.
+  void end_reads_of_gone_clients() const noexcept;
 
   const std::string& name() const { return config_.name; }
   const BusConfig& config() const { return config_; }

@@ -262,6 +262,7 @@ void Gateway::remove_client(std::uint64_t client) {
   }
   leases_->end_of(client);
   for (const auto& [axis, owner] : lost) tell_owner_lost(*axis, owner);
+  for (const auto& bus : buses_) bus->end_reads_of_gone_clients();
 }
 
 bool Gateway::is_holding(std::uint64_t client) const {

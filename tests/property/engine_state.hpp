@@ -93,7 +93,7 @@ class EngineState {
                  refused_since, unproven, is_doubtful, doubts, was_slow, before, last_value, read,
                  last_read, change, readings, effect] = call;
     add_all(ticket, times_sent, sent_early, rescue);
-    add_each(joined, [&](Ticket other) { add(other); });
+    add_each(joined, [&](const Joined& other) { add(other.ticket); });
     add(std::ranges::lower_bound(places_, place) - places_.begin());
     add(refused_since);
     add_answer(unproven);

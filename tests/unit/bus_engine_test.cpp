@@ -56,6 +56,36 @@ TEST(BusEngine, StopsGoFirstThenActsThenReads) {
   EXPECT_THAT(bus.sent(), ElementsAre(gap(1), mst(2), mvp(3, 100), gap(2)));
 }
 
+TEST(BusEngine, ReadsThatAreNotWantedAnyMoreEndAtOnceAndThoseThatJoinedThemGoOn) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.add_module(2);
+  bool is_gone = false;
+  CallOptions of_one_that_goes;
+  of_one_that_goes.objection = [&] {
+    return is_gone ? std::optional(bad_argument("it has gone")) : std::nullopt;
+  };
+  bus.submit(gap(1, 1));
+  const auto unwanted = bus.submit(gap(1, 2), of_one_that_goes);
+  const auto shared = bus.submit(gap(2, 2), of_one_that_goes);
+  const auto joined = bus.submit(gap(2, 2));
+  const auto movement = bus.submit(mvp(2, 100), of_one_that_goes);
+  bus.run_actions();
+  is_gone = true;
+  bus.engine().end_unwanted_reads(bus.clock().now());
+  bus.run_actions();
+  for (const auto read : {unwanted, shared}) {
+    ASSERT_TRUE(bus.has_ended(read));
+    EXPECT_EQ(bus.result(read).error().message, "it has gone");
+    EXPECT_EQ(bus.result(read).error().outcome, Outcome::not_sent);
+  }
+  EXPECT_FALSE(bus.has_ended(movement)) << "until its turn comes";
+  bus.settle();
+  EXPECT_TRUE(bus.result(joined));
+  EXPECT_FALSE(bus.result(movement));
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1, 1), gap(2, 2)));
+}
+
 TEST(BusEngine, ACallIsRefusedByItsObjectionWhenItsTurnComes) {
   ScriptedBus bus;
   bus.add_module(1);

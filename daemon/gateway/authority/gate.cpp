@@ -384,14 +384,29 @@ tmcl::Script<tmcl::StepResult> Gate::exchange_all(std::vector<tmcl::step::Exchan
 
 namespace {
 
-void charge(tmcl::step::Exchange& exchange, std::uint64_t client) {
-  exchange.options.asker = client;
-}
+/// Who is asked for, and until when.
+struct Charge {
+  Permit permit;
+  const bool& has_acted;  ///< Of the verb: it is carried out to its end then.
+  std::shared_ptr<const Arrivals> arrivals;
+
+  /// The arrivals outlive the exchange.
+  void put_on(tmcl::step::Exchange& exchange) const {
+    auto& options = exchange.options;
+    options.asker = permit.client;
+    const auto effect = effect_of(exchange.request.command, exchange.request.type);
+    const bool ends_with_client =
+        permit.only_asks && !has_acted && effect == tmcl::Effect::reads && !options.hold;
+    if (!ends_with_client || options.objection) return;
+    options.objection = [all = arrivals.get(), client = permit.client] {
+      return all->is_there(client) ? std::nullopt : std::optional(client_gone());
+    };
+  }
+};
 
 /// Charges the client with all that goes out for its verb: also with what is asked about others
-/// before a request is let out.
-tmcl::Script<tmcl::Result<void>> charged(tmcl::Script<tmcl::Result<void>> script,
-                                         std::uint64_t client) {
+/// before a request is let out. What only asks ends when its client goes.
+tmcl::Script<tmcl::Result<void>> charged(tmcl::Script<tmcl::Result<void>> script, Charge charge) {
   auto now = co_await tmcl::current_time();
   auto step = script.start(now);
   while (step) {
@@ -399,11 +414,11 @@ tmcl::Script<tmcl::Result<void>> charged(tmcl::Script<tmcl::Result<void>> script
     if (const auto* pause = std::get_if<tmcl::step::Pause>(&*step)) {
       co_await tmcl::pause(pause->duration);
     } else if (auto* one = std::get_if<tmcl::step::Exchange>(&*step)) {
-      charge(*one, client);
+      charge.put_on(*one);
       results.push_back(co_await tmcl::exchange(one->request, one->options));
     } else {
       auto& all = std::get<tmcl::step::ExchangeAll>(*step).exchanges;
-      for (auto& each : all) charge(each, client);
+      for (auto& each : all) charge.put_on(each);
       results = co_await tmcl::exchange_all(std::move(all));
     }
     now = co_await tmcl::current_time();
@@ -428,7 +443,8 @@ boost::asio::awaitable<Gate::Ended> Gate::run(tmcl::AnyScript& script, RunOption
   };
   Conduct conduct{std::move(options)};
   co_await begin_turning(conduct);
-  auto steps = charged(step_through(script, conduct), conduct.options.permit.client);
+  Charge charge{conduct.options.permit, conduct.acted, motors_.arrivals()};
+  auto steps = charged(step_through(script, conduct), std::move(charge));
   auto ended = co_await bus->run(std::move(steps), std::move(of_bus));
   if (!ended) {
     if (conduct.owes_stop) say_that_it_is_owed(ended.error());

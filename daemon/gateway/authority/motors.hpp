@@ -57,6 +57,8 @@ struct Arrivals {
   bool is_there(std::uint64_t client) const { return client == 0 || clients.contains(client); }
 };
 
+tmcl::Error client_gone();
+
 /// Who alone may move a motor.
 struct Holder {
   std::uint64_t client = 0;  ///< 0: there is none.
@@ -151,6 +153,7 @@ class Motors {
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
 
   /// To be called before judge(): what was asked for before the reactor stood still is stale.
+  const std::shared_ptr<Arrivals>& arrivals() const { return arrivals_; }
   void look_for_gap(tmcl::TimePoint now) { arrivals_->gaps.look(now); }
 
   /// There is an axis: it can be claimed.

@@ -38,5 +38,11 @@ inline RunOptions asked_by(std::uint64_t client) {
   options.permit.client = client;
   return options;
 }
+/// The same, for what has no use when the client has gone.
+inline RunOptions only_asked_by(std::uint64_t client) {
+  auto options = asked_by(client);
+  options.permit.only_asks = true;
+  return options;
+}
 
 }  // namespace tmcld

@@ -457,26 +457,38 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
                                                             std::uint64_t client) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  const auto look_here = [this, client] { return look(client); };
+  const auto look_here = [this, client] { return look_for(client); };
   // One in progress may have begun before this was asked for.
   const bool may_join = max_age > tmcl::Duration{} && looks_.in_progress() && !is_known(max_age);
   if (may_join) co_await looks_.join(look_here);
   if (is_known(max_age)) co_return last_->reading;
-  auto reading = co_await looks_.begin(look_here);
-  co_return reading;
+  while (true) {
+    auto reading = co_await looks_.begin(look_here);
+    if (reading) co_return std::move(*reading);
+    // It was for another client, which has gone.
+    if (!arrivals().is_there(client)) co_return tl::unexpected(axis_.on_bus(client_gone()));
+  }
+}
+
+boost::asio::awaitable<std::optional<tmcl::Result<AxisReading>>> GatewayAxis::look_for(
+    std::uint64_t client) {
+  auto reading = co_await look(client);
+  if (!reading && !arrivals().is_there(client)) co_return std::nullopt;
+  co_return std::optional(std::move(reading));
 }
 
 GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
   const auto commands = bus().gate().commands();
   const auto settings = module().settings_epoch();
-  auto reading = co_await axis_.run(units_.reading(), asked_by(client));
+  auto reading = co_await axis_.run(units_.reading(), only_asked_by(client));
   // Behind it: what was read is of the module that this one was, or the axis is latched.
   const auto watched = co_await axis_.run(module().watch(movement_sentinel_age), asked_by(client));
   if (!watched) co_return tl::unexpected(watched.error());
   if (!reading) co_return reading;
   // A look is worth more than what goes wrong with the questions about its driver.
   if (!bus().has_paths())
-    (void)co_await look_at_driver(driver_look_interval, asked_by(client), reading->state.velocity);
+    (void)co_await look_at_driver(driver_look_interval, only_asked_by(client),
+                                  reading->state.velocity);
   last_ = {*reading, commands, settings};
   co_await note_turning(reading->state, client);
   co_await note_motion(reading->state, client);

@@ -253,6 +253,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What the firmware of its model counts relative moves from now.
   Awaitable<std::uint8_t> origin_of_relative_moves();
   Awaitable<AxisReading> look(std::uint64_t client);
+  /// Nothing if that failed, and the client has gone: others may wait for it.
+  boost::asio::awaitable<std::optional<tmcl::Result<AxisReading>>> look_for(std::uint64_t client);
+  const Arrivals& arrivals() const { return *bus().motors().arrivals(); }
   /// Until it stands at its target; for longer where its settings may let it swing about that.
   Awaitable<RestingPosition> stand(tmcl::WaitOptions wait, RunOptions options);
   bool is_known(tmcl::Duration max_age) const;
@@ -302,7 +305,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   OpenLoads open_loads_;
   std::optional<tmcl::TimePoint> driver_seen_;
   std::optional<StopCause> stop_cause_;
-  SharedWork<tmcl::Result<AxisReading>> looks_;
+  SharedWork<std::optional<tmcl::Result<AxisReading>>> looks_;
 };
 
 }  // namespace tmcld

@@ -72,6 +72,9 @@ class Bus {
   /// is not known. Blocks for some milliseconds on a serial line, and what was on its way there may
   /// get no answer.
   void stop_at_once(AxisAddress motor) noexcept;
+  /// Reads that wait and have an objection now end by it at once: they would only when their turn
+  /// comes, and keep places in the queue until then.
+  void end_unwanted_reads();
   /// Nothing that waits, or is asked for later, sets a motor moving any more.
   void refuse_movements() noexcept;
 

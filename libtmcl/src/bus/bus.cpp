@@ -57,6 +57,12 @@ class Bus::State : public std::enable_shared_from_this<State> {
     hand_out_later();
   }
 
+  void end_unwanted_reads() {
+    core_.engine().end_unwanted_reads(timer_.now());
+    run_actions();
+    hand_out_later();
+  }
+
   BusCore& core() { return core_; }
   asio::any_io_executor executor() const { return executor_; }
   std::function<void(const BusEvent&)> on_event;
@@ -293,6 +299,7 @@ BusCounters Bus::counters() const { return state_->core().engine().counters(); }
 const std::string& Bus::name() const { return state_->core().name(); }
 bool Bus::is_open() const { return state_->core().is_open(); }
 void Bus::stop_at_once(AxisAddress motor) noexcept { state_->core().stop_at_once(motor); }
+void Bus::end_unwanted_reads() { state_->end_unwanted_reads(); }
 void Bus::refuse_movements() noexcept { state_->core().refuse_movements(); }
 void Bus::close() { state_->close("the bus was closed"); }
 

@@ -146,11 +146,24 @@ void BusEngine::go_on_with(Call& call) {
   start_fence(call);
 }
 
-void BusEngine::refuse(const Call& queued, Error objection) {
-  const auto call = queue().take(queued);
-  objection.outcome = call.was_on_the_wire() ? Outcome::unknown : Outcome::not_sent;
-  objection.request = call.request;
-  fail(call, std::move(objection));
+/// Those that joined it have objections of their own.
+void BusEngine::refuse(Call& queued, Error objection) {
+  objection.outcome = queued.was_on_the_wire() ? Outcome::unknown : Outcome::not_sent;
+  objection.request = queued.request;
+  objection.bus = options_.name;
+  actions_.push_back(Completion{queued.ticket, tl::unexpected(std::move(objection))});
+  if (!CallQueue::pass_on(queued)) queue().take(queued);
+}
+
+void BusEngine::end_unwanted_reads(TimePoint now) {
+  std::optional<Error> objection;
+  const auto is_unwanted = [&](const Call& call) {
+    if (call.effect != Effect::reads || !call.options.objection) return false;
+    objection = call.options.objection();
+    return objection.has_value();
+  };
+  while (auto* call = queue().find(is_unwanted)) refuse(*call, std::move(*objection));
+  go_on(now);
 }
 
 void BusEngine::end_overdue_calls() {
@@ -265,7 +278,8 @@ Duration BusEngine::reply_time(const CallOptions& options) const {
 
 void BusEngine::complete(const Call& call, const Result<Answer>& result) {
   actions_.push_back(Completion{call.ticket, copy_of(result)});
-  for (const auto ticket : call.joined) actions_.push_back(Completion{ticket, copy_of(result)});
+  for (const auto& other : call.joined)
+    actions_.push_back(Completion{other.ticket, copy_of(result)});
 }
 
 void BusEngine::fail(const Call& call, Error error) {

@@ -81,6 +81,8 @@ class BusEngine {
   BusEngine(Framing framing, Duration wire_time, BusOptions options);
 
   void submit(Ticket ticket, const Request& request, const CallOptions& options, TimePoint now);
+  /// Of all reads that wait: see Bus.
+  void end_unwanted_reads(TimePoint now);
   /// Serial: bytes came in.
   void on_bytes(std::span<const std::uint8_t> bytes, TimePoint now);
   /// CAN: a frame came in.
@@ -130,7 +132,7 @@ class BusEngine {
   // Who speaks next
   void go_on(TimePoint now);
   void go_on_with(Call& call);
-  void refuse(const Call& queued, Error objection);
+  void refuse(Call& queued, Error objection);
   void end_overdue_calls();
   void look_after_downloads();
   void end_calls_to_bootloaders();

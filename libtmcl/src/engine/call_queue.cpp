@@ -1,5 +1,7 @@
 #include "engine/call_queue.hpp"
 
+#include <utility>
+
 #include "tmcl/address.hpp"
 #include "tmcl/intent.hpp"
 
@@ -64,7 +66,18 @@ bool CallQueue::join(const Call& newcomer) {
     return call.request == newcomer.request && has_defaults(call.options) && is_fresh;
   });
   if (twin == levels_[kind].end()) return false;
-  twin->joined.push_back(newcomer.ticket);
+  const auto& options = newcomer.options;
+  twin->joined.push_back({newcomer.ticket, options.asker, options.objection});
+  return true;
+}
+
+bool CallQueue::pass_on(Call& call) {
+  if (call.joined.empty()) return false;
+  auto& next = call.joined.front();
+  call.ticket = next.ticket;
+  call.options.asker = next.asker;
+  call.options.objection = std::move(next.objection);
+  call.joined.erase(call.joined.begin());
   return true;
 }
 

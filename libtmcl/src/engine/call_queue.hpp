@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <list>
 #include <optional>
 #include <vector>
@@ -20,12 +21,19 @@ using Ticket = std::uint64_t;
 
 using SharedHold = std::shared_ptr<const Hold>;
 
+/// One that waits for the exchange of another call.
+struct Joined {
+  Ticket ticket = 0;
+  std::uint64_t asker = 0;
+  std::function<std::optional<Error>()> objection{};
+};
+
 struct Call {
   Request request;
   CallOptions options;
   Ticket ticket = 0;
   /// Who else waits for this exchange: identical reads are joined.
-  std::vector<Ticket> joined{};
+  std::vector<Joined> joined{};
   unsigned times_sent = 0;
   /// A stop that already went out once, unproven, because the line was not in step.
   bool sent_early = false;
@@ -102,6 +110,9 @@ class CallQueue {
   }
   /// Removes the call that find() gave.
   Call take(const Call& found);
+  /// The submitter of the call does not wait any more: the next of those that joined it does. False
+  /// if there is none.
+  static bool pass_on(Call& call);
   /// Removes every call that satisfies `doomed`, in the order of going out.
   template <class Doomed>
   std::vector<Call> remove_if(const Doomed& doomed) {
