@@ -17,6 +17,7 @@ using test::mvp;
 using test::reply_to;
 using test::ScriptedBus;
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 TEST(BusEngine, SerialCarriesOneExchangeAtATime) {
   ScriptedBus bus;
@@ -84,6 +85,42 @@ TEST(BusEngine, ReadsThatAreNotWantedAnyMoreEndAtOnceAndThoseThatJoinedThemGoOn)
   EXPECT_TRUE(bus.result(joined));
   EXPECT_FALSE(bus.result(movement));
   EXPECT_THAT(bus.sent(), ElementsAre(gap(1, 1), gap(2, 2)));
+}
+
+TEST(BusEngine, AModuleWhoseRepliesAllComeTwiceEndsTheCallsThatWaitForIt) {
+  ScriptedBus bus;
+  bus.add_module(2);
+  bus.submit(gap(1));
+  const auto read = bus.submit(gap(1, 3));
+  const auto movement = bus.submit(mvp(1, 100));
+  const auto stop = bus.submit(mst(1, 1));
+  const auto other = bus.submit(gap(2));
+  constexpr std::size_t most_requests = 200;
+  std::size_t answered = 0;
+  bus.run_actions();
+  for (int i = 0; i < 1000 && !bus.has_ended(movement); ++i) {
+    // Both in one piece, as some adapters give them.
+    for (; answered < std::min(bus.sent().size(), most_requests); ++answered) {
+      const auto request = bus.sent()[answered];
+      if (request.address != ModuleAddress{1}) continue;
+      const auto once = encode_serial(reply_to(request));
+      std::vector<std::uint8_t> twice(once.begin(), once.end());
+      twice.insert(twice.end(), once.begin(), once.end());
+      bus.engine().on_bytes(twice, bus.clock().now());
+      bus.run_actions();
+    }
+    bus.pass(1ms);
+  }
+  for (const auto call : {read, movement}) {
+    ASSERT_TRUE(bus.has_ended(call));
+    EXPECT_EQ(bus.result(call).error().code, Errc::unexpected_value);
+    EXPECT_THAT(bus.result(call).error().hint, HasSubstr("two modules have the address 1"));
+  }
+  EXPECT_EQ(bus.result(movement).error().outcome, Outcome::not_sent);
+  EXPECT_TRUE(bus.has_ended(stop));
+  EXPECT_TRUE(bus.result(other));
+  EXPECT_EQ(std::ranges::count(bus.sent(), mvp(1, 100)), 0);
+  EXPECT_GE(std::ranges::count(bus.sent(), mst(1, 1)), 1);
 }
 
 TEST(BusEngine, ACallIsRefusedByItsObjectionWhenItsTurnComes) {

@@ -127,6 +127,7 @@ InFlight BusEngine::settle(Channel& channel, ModuleAddress from, Status status, 
   const auto command = done.sent.command;
   auto& lane = module.lane;
   lane.answered(command, now);
+  if (done.is_fence()) lane.note_answered_fence();
   module.custody.on_answered(command, status, now);
   const bool proves_step = !done.call || done.ends_download();
   const bool proves_answers = lane.in_step() && lane.holds_back_any() && !lane.holds_back(command);

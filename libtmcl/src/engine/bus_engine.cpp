@@ -131,7 +131,7 @@ void BusEngine::go_on(TimePoint now) {
 }
 
 void BusEngine::go_on_with(Call& call) {
-  const auto& module = modules_.with(call.request.address);
+  auto& module = modules_.with(call.request.address);
   if (call.rescue == Call::Rescue::due) return start_leaving_ascii(call);
   if (scheduler_.goes_out_early(modules_, call)) return send_early(call);
   if (module.lane.is_silent(scheduler_.now()) && !call.is_stop()) {
@@ -143,7 +143,15 @@ void BusEngine::go_on_with(Call& call) {
   scheduler_.on_turn(modules_.framing(), call);
   if (module.custody.is_recording_for(call.options.hold)) return go_on_recording(call);
   if (module.lane.in_step() && !must_fence(module.lane, call)) return start(queue().take(call));
-  start_fence(call);
+  module.lane.fences_prove_nothing() ? give_up_proof(call.request.address) : start_fence(call);
+}
+
+void BusEngine::give_up_proof(ModuleAddress address) {
+  modules_.with(address).lane.end_fences();
+  const auto waits_for_it = [&](const Call& call) {
+    return reply_byte(call.request.address) == reply_byte(address);
+  };
+  fail_if(waits_for_it, surplus_error);
 }
 
 /// Those that joined it have objections of their own.
@@ -220,6 +228,7 @@ void BusEngine::send_early(Call& call) {
 void BusEngine::start(Call call) {
   auto& module = modules_.with(call.request.address);
   ++call.times_sent;
+  module.lane.end_fences();
   module.custody.on_sent(call, scheduler_.now());
   const auto request = call.request;
   const auto deadline = scheduler_.now() + reply_time(call.options);

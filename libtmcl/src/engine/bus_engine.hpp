@@ -141,6 +141,7 @@ class BusEngine {
   void send_early(Call& call);
   void start(Call call);
   void start_fence(const Call& next);
+  void give_up_proof(ModuleAddress address);
   void start_end(Conversation& module);
   void put_in_flight(Channel& channel, InFlight in_flight);
   void send(const Send& send);

@@ -77,6 +77,16 @@ Error doubt_error(const Call& call) {
                                number(call.request.address)));
 }
 
+Error surplus_error(const Call& call) {
+  return error_for(call, Errc::unexpected_value,
+                   fmt::format("module {} gives more replies than it is asked for, all the time: "
+                               "nobody can tell which answers what",
+                               number(call.request.address)),
+                   fmt::format("two modules have the address {}, or the link doubles replies: give "
+                               "one module another address",
+                               number(call.request.address)));
+}
+
 Error unsettled_error(const Call& call) {
   return error_for(
       call, Errc::unexpected_value,

@@ -19,6 +19,7 @@ Error full_link_error(const Call& call, Framing framing, Duration waited);
 /// More than one answer came, too often.
 Error doubt_error(const Call& call);
 /// What a motor is to move by was read several times, and no two readings fit together.
+Error surplus_error(const Call& call);
 Error unsettled_error(const Call& call);
 
 /// The hold of the call has ended.

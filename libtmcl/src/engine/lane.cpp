@@ -28,6 +28,10 @@ constexpr unsigned most_equal_in_a_row = 64;
 // again if there is a doubt.
 constexpr unsigned most_held_back = 8;
 
+// A fence behind which more replies come is followed by the next one. Two modules of one address,
+// or a link that doubles all replies, would go on with that for ever.
+constexpr unsigned most_fences_in_a_row = 32;
+
 struct Fence {
   Command command;
   std::uint8_t type;
@@ -71,7 +75,10 @@ void Lane::prove() {
   answers_held_back_ = 0;
 }
 
+bool Lane::fences_prove_nothing() const { return answered_fences_ >= most_fences_in_a_row; }
+
 bool Lane::fence_failed(unsigned tries, TimePoint silent_until) {
+  end_fences();
   if (++failed_fences_ < tries) return false;
   failed_fences_ = 0;
   silent_until_ = silent_until;

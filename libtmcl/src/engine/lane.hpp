@@ -43,6 +43,12 @@ class Lane {
   bool holds_back_any() const { return answers_held_back_ > 0; }
   /// A fence was answered, or whatever else could have no other answer.
   void prove();
+  void note_answered_fence() { ++answered_fences_; }
+  /// Fence after fence was answered, and more replies came behind each before anything else could
+  /// go out.
+  bool fences_prove_nothing() const;
+  /// Something else than a fence goes out, or is given up.
+  void end_fences() { answered_fences_ = 0; }
   /// A fence was not answered; true when that was the last try, and the module now counts as
   /// silent.
   bool fence_failed(unsigned tries, TimePoint silent_until);
@@ -93,6 +99,7 @@ class Lane {
 
   bool in_step_ = true;
   unsigned failed_fences_ = 0;
+  unsigned answered_fences_ = 0;  ///< In a row.
   std::size_t next_fence_ = 0;
   std::vector<Abandoned> abandoned_;
   std::bitset<256> held_back_;
