@@ -15,6 +15,16 @@ bool has_input(int descriptor) {
   return ::poll(&entry, 1, 0) > 0;
 }
 
+bool asks_for_stop(std::span<const std::uint8_t> bytes) {
+  bool asks = false;
+  PortFramer framer;
+  framer.push(bytes, [&](const tmcl::SerialBytes& datagram) {
+    const auto request = tmcl::decode_serial_request(datagram);
+    asks = asks || (request && is_stop(intent_of(*request)));
+  });
+  return asks;
+}
+
 tl::expected<std::shared_ptr<Port>, std::string> open_port(const PortConfig& config,
                                                            std::shared_ptr<Gateway> gateway) {
   auto port = std::visit(

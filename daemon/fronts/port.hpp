@@ -2,12 +2,14 @@
 /// terminal, a TCP port or a CAN interface.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
 #include <tl/expected.hpp>
 
 #include "gateway/gateway.hpp"
+#include "tmcl/can_socket.hpp"
 
 namespace tmcld {
 
@@ -32,8 +34,15 @@ tl::expected<std::shared_ptr<Port>, std::string> open_pty_port(const PortConfig&
 tl::expected<std::shared_ptr<Port>, std::string> open_tcp_port(const PortConfig& config,
                                                                const tmcl::TcpName& name,
                                                                std::shared_ptr<Gateway> gateway);
+/// How a CAN interface is reached.
+struct CanSockets {
+  std::function<tl::expected<tmcl::FileDescriptor, std::string>(const std::string& interface)>
+      open = tmcl::open_can_socket;
+  std::function<bool(int socket, const std::string& interface)> is_on = tmcl::is_on;
+};
 tl::expected<std::shared_ptr<Port>, std::string> open_can_port(const PortConfig& config,
                                                                const tmcl::CanName& name,
-                                                               std::shared_ptr<Gateway> gateway);
+                                                               std::shared_ptr<Gateway> gateway,
+                                                               CanSockets sockets = {});
 
 }  // namespace tmcld

@@ -11,15 +11,14 @@
 
 #include <array>
 #include <cerrno>
+#include <exception>
 #include <system_error>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
 
-#include "async/spawn.hpp"
+#include "async/readiness.hpp"
 #include "fronts/port.hpp"
 #include "fronts/port_stream.hpp"
 #include "tmcl/link_file.hpp"
@@ -28,9 +27,7 @@
 namespace tmcld {
 namespace {
 
-using boost::asio::awaitable;
-using boost::asio::redirect_error;
-using boost::asio::use_awaitable;
+using boost::system::error_code;
 using tmcl::FileDescriptor;
 
 /// Of answers that no host reads, no more is kept for it: a host that is there reads each.
@@ -52,12 +49,12 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
   }
 
   void start() override {
-    spawn(executor_, read(shared_from_this()));
-    spawn(executor_, look_for_hosts(shared_from_this()));
+    await_input();
+    await_events();
   }
   void close() override {
     end_of_host();
-    boost::system::error_code ignored;
+    error_code ignored;
     master_.close(ignored);
     watch_.close(ignored);
   }
@@ -66,37 +63,32 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
   /// What comes before the bytes that are read: TIOCPKT.
   static constexpr std::size_t control_byte = 1;
 
-  static awaitable<void> read(std::shared_ptr<PtyPort> self) {
-    while (true) {
-      boost::system::error_code error;
-      co_await self->master_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
-                                        redirect_error(use_awaitable, error));
-      if (error) break;
+  void await_input() {
+    wait_for_input(master_, input_room_, [self = shared_from_this()](const error_code& error) {
+      if (error) return;
       // A host is known to be there before it is heard.
       self->take_events();
-      if (!self->take_input()) break;
-    }
+      if (self->take_input()) self->await_input();
+    });
   }
-  static awaitable<void> look_for_hosts(std::shared_ptr<PtyPort> self) {
-    while (true) {
-      boost::system::error_code error;
-      co_await self->watch_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
-                                       redirect_error(use_awaitable, error));
-      if (error) break;
+  void await_events() {
+    wait_for_input(watch_, events_room_, [self = shared_from_this()](const error_code& error) {
+      if (error) return;
       self->take_events();
-    }
+      self->await_events();
+    });
   }
 
   /// Reads until nothing is left. False at the end of the port.
   bool take_input() {
     while (master_.is_open()) {
       std::array<std::uint8_t, 1024> bytes{};
-      boost::system::error_code error;
+      error_code error;
       const auto size = master_.read_some(boost::asio::buffer(bytes), error);
       if (error == boost::asio::error::would_block) return true;
       if (error || size == 0) return false;
       if (bytes.front() == TIOCPKT_DATA) {
-        host()->receive(std::span(bytes).first(size).subspan(control_byte));
+        hear(std::span(bytes).first(size).subspan(control_byte));
         continue;
       }
       if ((bytes.front() & TIOCPKT_FLUSHREAD) != 0 && stream_) stream_->session()->forget_answers();
@@ -107,7 +99,7 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
 
   void take_events() {
     alignas(inotify_event) std::array<char, 4096> events{};
-    boost::system::error_code error;
+    error_code error;
     while (watch_.is_open()) {
       const auto size = watch_.read_some(boost::asio::buffer(events), error);
       if (error) return;
@@ -123,6 +115,20 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
     }
   }
 
+  /// A host whose session has failed has another one with what it says next.
+  void hear(std::span<const std::uint8_t> bytes) {
+    try {
+      host()->receive(bytes);
+    } catch (...) {
+      if (asks_for_stop(bytes)) gateway_->stop_in_need();
+      fail(std::current_exception());
+    }
+  }
+  void fail(const std::exception_ptr& failure) {
+    end_of_host();
+    gateway_->log_failure("port " + config_.name + ", whose host was forgotten", failure);
+  }
+
   std::shared_ptr<PortStream> host() {
     if (stream_) return stream_;
     auto session = std::make_shared<PortSession>(
@@ -133,10 +139,10 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
         [weak = weak_from_this()] {
           if (const auto self = weak.lock()) self->end_of_host();
         });
-    session->start();
     const auto descriptor = master_.native_handle();
-    stream_ = std::make_shared<PortStream>(std::move(session), executor_,
+    stream_ = std::make_shared<PortStream>(session, executor_,
                                            [descriptor] { return has_input(descriptor); });
+    session->start();
     return stream_;
   }
 
@@ -150,7 +156,7 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
     int unread = 0;
     const bool is_known = ::ioctl(slave_.get(), FIONREAD, &unread) == 0;
     if (is_known && unread > most_unread_bytes) return;
-    boost::system::error_code full;
+    error_code full;
     master_.write_some(boost::asio::buffer(bytes), full);
   }
 
@@ -159,6 +165,8 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
   boost::asio::any_io_executor executor_;
   boost::asio::posix::stream_descriptor master_;
   boost::asio::posix::stream_descriptor watch_;
+  WaitingRoom input_room_;
+  WaitingRoom events_room_;
   FileDescriptor slave_;
   tmcl::LinkFile link_;
   std::shared_ptr<PortStream> stream_;  ///< Null while no host is known to be there.

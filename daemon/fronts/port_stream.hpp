@@ -56,6 +56,9 @@ class PortStream : public std::enable_shared_from_this<PortStream> {
   std::uint64_t received_ = 0;
 };
 
+/// Whether there is a stop among what could not be taken.
+bool asks_for_stop(std::span<const std::uint8_t> bytes);
+
 /// Whether a descriptor can be read without waiting.
 bool has_input(int descriptor);
 

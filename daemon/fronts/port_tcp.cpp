@@ -1,5 +1,6 @@
 // Serial lines over TCP, as a serial device server offers them: the nine bytes, and nothing else.
 #include <array>
+#include <exception>
 #include <set>
 #include <utility>
 
@@ -41,29 +42,34 @@ class Host : public std::enable_shared_from_this<Host> {
   static awaitable<void> serve(std::shared_ptr<Host> self, const PortConfig& config,
                                std::shared_ptr<Gateway> gateway) {
     const auto session = std::make_shared<PortSession>(
-        std::move(gateway), config, "port " + config.name + " of " + self->peer(),
+        gateway, config, "port " + config.name + " of " + self->peer(),
         [weak = self->weak_from_this()](const Told& told, CanForm) {
           if (const auto host = weak.lock()) host->write(to_serial(told));
         },
         [weak = self->weak_from_this()] {
           if (const auto host = weak.lock()) host->close();
         });
-    session->start();
     const auto stream = std::make_shared<PortStream>(
         session, self->socket_.get_executor(), [weak = self->weak_from_this()] {
           const auto host = weak.lock();
           return host && host->socket_.is_open() && has_input(host->socket_.native_handle());
         });
-    std::array<std::uint8_t, 1024> bytes{};
-    while (true) {
-      error_code error;
-      const auto size = co_await self->socket_.async_read_some(
-          boost::asio::buffer(bytes), redirect_error(use_awaitable, error));
-      if (error) break;
-      stream->receive(std::span(bytes).first(size));
+    std::exception_ptr failure;
+    try {
+      session->start();
+      std::array<std::uint8_t, 1024> bytes{};
+      while (true) {
+        error_code error;
+        const auto size = co_await self->socket_.async_read_some(
+            boost::asio::buffer(bytes), redirect_error(use_awaitable, error));
+        if (error) break;
+        hear(*stream, std::span(bytes).first(size), *gateway);
+      }
+    } catch (...) {
+      failure = std::current_exception();
     }
     stream->close();
-    self->close();
+    if (failure) std::rethrow_exception(failure);
   }
 
   void close() {
@@ -72,6 +78,14 @@ class Host : public std::enable_shared_from_this<Host> {
   }
 
  private:
+  static void hear(PortStream& stream, std::span<const std::uint8_t> bytes, Gateway& gateway) {
+    try {
+      stream.receive(bytes);
+    } catch (...) {
+      if (asks_for_stop(bytes)) gateway.stop_in_need();
+      throw;
+    }
+  }
   std::string peer() const {
     error_code error;
     const auto end = socket_.remote_endpoint(error);
@@ -108,8 +122,7 @@ class TcpPort final : public Port, public std::enable_shared_from_this<TcpPort> 
       if (error) {
         co_await rest(pause_after_failure);
       } else if (self->hosts_.size() < most_hosts) {
-        spawn(self->acceptor_.get_executor(),
-              serve(self, std::make_shared<Host>(std::move(socket))));
+        self->begin_to_serve(std::move(socket));
       } else {
         self->gateway_->log_often("port " + self->config_.name, LogLevel::warning,
                                   "port " + self->config_.name +
@@ -118,10 +131,27 @@ class TcpPort final : public Port, public std::enable_shared_from_this<TcpPort> 
       }
     }
   }
+  void begin_to_serve(tcp::socket socket) {
+    const auto self = shared_from_this();
+    try {
+      const auto host = std::make_shared<Host>(std::move(socket));
+      spawn(acceptor_.get_executor(), serve(self, host), [self, host](const auto& failure) {
+        host->close();
+        self->hosts_.erase(host);
+        self->tell(failure);
+      });
+    } catch (...) {
+      tell(std::current_exception());
+    }
+  }
+  void tell(const std::exception_ptr& failure) {
+    gateway_->log_failure("a host at port " + config_.name + ", which was cut off", failure);
+  }
   static awaitable<void> serve(std::shared_ptr<TcpPort> self, std::shared_ptr<Host> host) {
     self->hosts_.insert(host);
     auto serving = Host::serve(host, self->config_, self->gateway_);
     co_await std::move(serving);
+    host->close();
     self->hosts_.erase(host);
   }
 

@@ -114,6 +114,7 @@ MemoryBench::MemoryBench()
   for (int tries = 1; !problem.empty() && tries < 10; ++tries) problem = create_daemon();
   if (!problem.empty()) throw std::runtime_error(problem);
   daemon_->start();
+  open_can_port();
   const auto is_ready = [&] {
     for (const auto& one : daemon_->gateway().axes())
       if (one->module().state() != GatewayModule::State::ready) return false;
@@ -131,7 +132,9 @@ std::string MemoryBench::create_daemon() {
                    "link = \"serial:/dev/none@115200\"\n" + axis("x", 1, 0) + axis("y", 2, 0) +
                    axis("z", 2, 1) + "[[module]]\nbus = \"bench\"\naddress = 3\n" +
                    "[[port]]\nname = \"a\"\nbus = \"bench\"\nmay = [\"move\"]\n" +
-                   "tcp = \"127.0.0.1:" + std::to_string(serial_port_) + "\"\n");
+                   "tcp = \"127.0.0.1:" + std::to_string(serial_port_) + "\"\n" +
+                   "[[port]]\nname = \"b\"\nbus = \"bench\"\nmay = [\"move\"]\n" +
+                   "pty = \"" + terminal() + "\"\n");
   if (!config) throw std::runtime_error(config.error().front().message);
   HttpConfig http;
   http.listen = {{"127.0.0.1", http_port_}};
@@ -143,10 +146,30 @@ std::string MemoryBench::create_daemon() {
   return {};
 }
 
+void MemoryBench::open_can_port() {
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw std::runtime_error("no pair of sockets");
+  can_hosts_ = tmcl::FileDescriptor(ends[0]);
+  CanSockets sockets;
+  sockets.open = [end = ends[1]](const auto&) { return tmcl::FileDescriptor(end); };
+  sockets.is_on = [](int, const auto&) { return true; };
+  PortConfig config;
+  config.name = "c";
+  config.bus = "bench";
+  config.role = Role::operate;
+  auto port = tmcld::open_can_port(config, {"can"}, daemon_->gateway().shared_from_this(),
+                                   std::move(sockets));
+  can_port_ = std::move(*port);
+  can_port_->start();
+}
+
 MemoryBench::~MemoryBench() {
+  can_port_->close();
   daemon_->stop();
   (void)run_until([&] { return daemon_->has_ended(); }, 500s);
   run_for(1s);
+  can_port_.reset();
   daemon_.reset();
   std::filesystem::remove_all(folder_);
 }

@@ -14,8 +14,10 @@
 #include <boost/json.hpp>
 
 #include "daemon.hpp"
+#include "fronts/port.hpp"
 #include "sim/bench.hpp"
 #include "sim/wire/serial_line.hpp"
+#include "tmcl/file_descriptor.hpp"
 #include "tmcl/virtual_time.hpp"
 
 namespace tmcld::test {
@@ -85,6 +87,10 @@ class MemoryBench {
   /// On which it speaks HTTP, and is a serial device server.
   std::uint16_t http_port() const { return http_port_; }
   std::uint16_t serial_port() const { return serial_port_; }
+  /// Of a port on a pseudo terminal, and the hosts' end of one on CAN: frames of SocketCAN go
+  /// between two sockets of this process, as few kernels have an interface for them.
+  std::string terminal() const { return folder_ + "/terminal"; }
+  int can_socket() const { return can_hosts_.get(); }
   std::int32_t get(std::size_t motor, std::uint8_t parameter);
   /// Where each motor is: x, y, z, and those that are no axes.
   std::vector<std::int32_t> positions();
@@ -102,6 +108,7 @@ class MemoryBench {
   tmcl::Result<tmcl::Link> open();
   /// Empty, or why it cannot be.
   std::string create_daemon();
+  void open_can_port();
 
   std::string folder_;
   std::string socket_;
@@ -114,6 +121,8 @@ class MemoryBench {
   std::unique_ptr<tmcl::Link> far_;
   tmcl::sim::SerialLine line_;
   std::unique_ptr<Daemon> daemon_;
+  tmcl::FileDescriptor can_hosts_;
+  std::shared_ptr<Port> can_port_;
   bool has_failed_ = false;
 };
 

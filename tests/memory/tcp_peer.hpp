@@ -1,4 +1,4 @@
-/// A client of the daemon on a port of this computer, which says and hears bytes.
+/// Clients of the daemon, which say and hear bytes; one on a TCP port of this computer.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,30 @@
 
 namespace tmcld::test {
 
-class TcpPeer {
+class FrontPeer {
  public:
-  explicit TcpPeer(std::uint16_t port);
-  TcpPeer(const TcpPeer&) = delete;
-  TcpPeer& operator=(const TcpPeer&) = delete;
-  ~TcpPeer();
+  FrontPeer() = default;
+  FrontPeer(const FrontPeer&) = delete;
+  FrontPeer& operator=(const FrontPeer&) = delete;
+  virtual ~FrontPeer() = default;
 
   /// What is said is there for the daemon to read when this returns.
-  void say(std::string_view bytes);
+  virtual void say(std::string_view bytes) = 0;
   /// Since the last forget().
-  const std::string& heard();
-  void forget();
-  bool is_cut_off();
+  virtual const std::string& heard() = 0;
+  virtual void forget() = 0;
+  virtual bool is_cut_off() = 0;
+};
+
+class TcpPeer final : public FrontPeer {
+ public:
+  explicit TcpPeer(std::uint16_t port);
+  ~TcpPeer() override;
+
+  void say(std::string_view bytes) override;
+  const std::string& heard() override;
+  void forget() override;
+  bool is_cut_off() override;
 
  private:
   void read();
