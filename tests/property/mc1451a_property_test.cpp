@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include "support/plain_track.hpp"
 #include "support/random.hpp"
@@ -219,6 +221,32 @@ TEST(Mc1451aProperty, AChangedTrapezoidKeepsItsLimitsAndEndsAtItsTarget) {
     axis.expect_end();
     if (HasFatalFailure()) return;
   }
+}
+
+// However little of a tick they last.
+TEST(Mc1451aProperty, HasItsPhasesInTheirOrder) {
+  static constexpr std::array<std::string_view, 7> order{"I", "II", "III", "IV", "V", "VI", "VII"};
+  int tiny = 0;
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 50'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    auto parameters = script.parameters();
+    parameters.profile = 0;
+    if (script.between(0, 1) == 0) parameters.velocity = script.between(1, 20);
+    Mc1451a axis;
+    write(axis, parameters);
+    std::size_t last = 0;
+    for (bool first = true; !axis.settled(); first = false) {
+      const auto* const phase = std::ranges::find(order, axis.phase());
+      ASSERT_NE(phase, order.end()) << axis.phase();
+      const auto place = static_cast<std::size_t>(phase - order.begin());
+      ASSERT_TRUE(first || place >= last) << axis.phase() << " after " << order[last];
+      last = place;
+      axis.advance_to(axis.next_change());
+    }
+    tiny += axis.tick() < 16 ? 1 : 0;
+  }
+  EXPECT_GT(tiny, 0);
 }
 
 // The end falls between two ticks, so the mirror image may be off by the way of one.

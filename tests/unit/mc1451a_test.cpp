@@ -272,6 +272,20 @@ TEST(Mc1451a, CrossesTheWholeRangeAtTheLeastVelocity) {
   EXPECT_EQ(axis.motion(), (Motion{1'073'741'823, 0, 0}));
 }
 
+// Speeding up takes less than two ticks; each of its halves ends within one.
+TEST(Mc1451a, HasThePhasesOfLargeMovesInTinyOnes) {
+  for (std::int64_t velocity = 1; velocity <= 5; ++velocity) {
+    SCOPED_TRACE(velocity);
+    auto axis = axis_with({10, velocity, 11'469, 32'212'255});
+    std::vector<std::string> phases;
+    while (!axis.settled()) {
+      phases.emplace_back(axis.phase());
+      axis.advance_to(axis.next_change());
+    }
+    EXPECT_EQ(phases, (std::vector<std::string>{"I", "III", "IV", "V", "VII"}));
+  }
+}
+
 TEST(Mc1451a, NamesWhatKeepsItFromMoving) {
   const auto messages = [](const Mc1451a& axis) {
     std::string all;

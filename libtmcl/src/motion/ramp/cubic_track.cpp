@@ -125,9 +125,12 @@ void CubicTrack::skip(Tick ticks, Fixed distance) {
 
 Part CubicTrack::part() const {
   if (over() && start_.v == 0) return Part::rest;
-  const auto end = until_ == forever ? start_ : at(until_);
-  const int direction = sign(start_.v + end.v) < 0 ? -1 : 1;
-  const int acceleration = direction * sign(start_.h + end.h);
+  // In the middle of what is left of the stretch, which may end before the next tick.
+  const double half = until_ == forever ? 0 : profile_.ticks[index_] / 2;
+  const double h = to_double(start_.h) + 3 * half * to_double(start_.i);
+  const double v = to_double(start_.v) + half * (to_double(start_.h) + h);
+  const int direction = v < 0 ? -1 : 1;
+  const int acceleration = direction * ((h > 0) - (h < 0));
   const int jerk = direction * sign(start_.i);
   if (acceleration > 0) return jerk > 0 ? Part::i : jerk < 0 ? Part::iii : Part::ii;
   if (acceleration < 0) return jerk > 0 ? Part::vii : jerk < 0 ? Part::v : Part::vi;
