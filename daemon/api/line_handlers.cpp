@@ -121,8 +121,8 @@ std::vector<std::string> warnings_of(const std::vector<LineMember>& members,
   for (std::size_t i = 0; i < members.size(); ++i) {
     // It is where it is to be.
     if (plan.axes[i].twin.motion().position == members[i].target) continue;
-    for (const auto& finding : plan.axes[i].twin.findings())
-      warnings.push_back(members[i].axis->name() + ": " + finding.message);
+    for (const auto& warning : members[i].axis->warnings_of(plan.axes[i].twin))
+      warnings.push_back(members[i].axis->name() + ": " + warning);
   }
   return warnings;
 }

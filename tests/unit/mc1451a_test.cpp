@@ -289,13 +289,13 @@ TEST(Mc1451a, HasThePhasesOfLargeMovesInTinyOnes) {
 TEST(Mc1451a, NamesWhatKeepsItFromMoving) {
   const auto messages = [](const Mc1451a& axis) {
     std::string all;
-    for (const auto& finding : axis.findings()) all += finding.message + "; ";
+    for (const auto& warning : warnings_of(axis)) all += warning + "; ";
     return all;
   };
   EXPECT_EQ(messages(axis_with({1, 1, 1, 1})), "");
-  EXPECT_EQ(messages(axis_with({1, 0, 1, 1})), "velocity is 0: the axis cannot move; ");
+  EXPECT_EQ(messages(axis_with({1, 0, 1, 1})), "velocity 0: the axis cannot move; ");
   EXPECT_EQ(messages(axis_with({1, 1, 0, 0})),
-            "acceleration is 0: the axis cannot move; jerk is 0: the axis cannot move; ");
+            "acceleration 0: the axis cannot move; jerk 0: the axis cannot move; ");
   EXPECT_EQ(messages(axis_with({1, 1, 1, 0, 1})), "");
 }
 

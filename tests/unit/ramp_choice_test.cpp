@@ -62,7 +62,7 @@ TEST(RampChoice, OfATmc457DeceleratesAsAskedAlsoWithABow) {
     EXPECT_LE(choice.jerk, jerk);
     auto twin = *AxisTwin::of(model);
     ASSERT_TRUE(twin.set(choice.settings));
-    EXPECT_THAT(twin.findings(), IsEmpty());
+    EXPECT_THAT(twin.warnings(), IsEmpty());
     const double ideal = 1'000'000 / 100'000.0 + 0.5 * (100'000 / 300'000.0 + 100'000 / 200'000.0);
     const double rounding = 0.5 * (300'000 + 200'000) / choice.jerk;
     EXPECT_NEAR(seconds_to(1'000'000, model, choice.settings), ideal + rounding, 0.005);

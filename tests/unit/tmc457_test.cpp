@@ -69,7 +69,7 @@ Course course(Tmc457 axis) {
 
 std::string messages(const Tmc457& axis) {
   std::string all;
-  for (const auto& finding : axis.findings()) all += finding.message + "; ";
+  for (const auto& warning : warnings_of(axis)) all += warning + "; ";
   return all;
 }
 
@@ -474,12 +474,12 @@ TEST(Tmc457, WarnsOfABowThatIsTooGreat) {
 TEST(Tmc457, WarnsOfSettingsThatKeepItFromMovingOrStopping) {
   Tmc457 axis;
   EXPECT_EQ(messages(axis),
-            "a_max is 0: the motor cannot speed up; d_max is 0: the motor cannot slow down; v_max "
-            "is 0: the motor cannot drive to a target; ");
+            "a_max 0: the motor cannot speed up; d_max 0: the motor cannot slow down; v_max 0: the "
+            "motor cannot drive to a target; ");
   axis = axis_with({});
   EXPECT_EQ(messages(axis), "");
   write(axis, R::enable_stop_r, 1);
-  EXPECT_EQ(messages(axis), "d_stop is 0: a switch does not stop the motor; ");
+  EXPECT_EQ(messages(axis), "d_stop 0: a switch does not stop the motor; ");
 }
 
 TEST(Tmc457, ShowsItsStatus) {

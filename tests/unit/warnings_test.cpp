@@ -59,7 +59,8 @@ TEST(Warnings, AreOfABowWithWhichTheMotorSwings) {
 TEST(Warnings, AreOfASettingWithWhichItNeverArrives) {
   JourneyBench bench("TMCM-6212");
   set(bench, 18, 0);
-  EXPECT_THAT(warnings(bench.call("axis.move_to", to(100'000))), Contains(HasSubstr("d1 0")));
+  EXPECT_THAT(warnings(bench.call("axis.move_to", to(100'000))),
+              Contains(HasSubstr("deceleration_d1 0")));
 }
 
 TEST(Warnings, SayWhyAMoveIsNotForeseen) {
@@ -91,13 +92,77 @@ TEST(Warnings, AreOfABowThatIsSet) {
 
 TEST(Warnings, AreOfTwoAccelerationsThatAreSetAtOnce) {
   JourneyBench bench("TMCM-142");
-  EXPECT_THAT(warnings(set(bench, 5, 100)), Contains(HasSubstr("exceeds a_max 100")));
+  EXPECT_THAT(warnings(set(bench, 5, 100)),
+              Contains(HasSubstr("exceeds acceleration 100: the motor oscillates")));
   EXPECT_THAT(warnings(set(bench, 5, 20000)), IsEmpty());
 }
 
 TEST(Warnings, AreOfADecelerationThatEndsInACreep) {
   JourneyBench bench("TMCM-6212");
-  EXPECT_THAT(warnings(set(bench, 18, 0)), Contains(HasSubstr("d1 0")));
+  EXPECT_THAT(warnings(set(bench, 18, 0)), Contains(HasSubstr("deceleration_d1 0 pps/s cannot")));
+}
+
+/// As the user knows them: parameters by name, in the unit of the moment and as they were typed.
+TEST(Warnings, SpeakOfParametersAsTheyWereSet) {
+  JourneyBench bench("TMCM-6212");
+  EXPECT_THAT(warnings(set(bench, 19, 50'000)),
+              testing::ElementsAre("stop_velocity 10 pps is below start_velocity 50000 pps, so a "
+                                   "short way may not allow to stop"));
+  set(bench, 19, 0);
+  EXPECT_THAT(
+      warnings(set(bench, 20, 9)),
+      testing::ElementsAre("stop_velocity 9 pps is below 10 pps, the least for positioning"));
+  set(bench, 20, 10);
+  set(bench, 16, 0);
+  EXPECT_THAT(warnings(set(bench, 18, 1)),
+              testing::ElementsAre("deceleration_d1 1 pps/s (0 in the chip) is not to be "
+                                   "set for positioning, not even while velocity_v1 is 0"));
+  set(bench, 18, 1400);
+  EXPECT_THAT(warnings(set(bench, 4, 0)),
+              testing::ElementsAre("max_velocity 0 pps: the motor does not move"));
+}
+
+TEST(Warnings, SpeakOfTheFirstParameterThatIsSetAsWell) {
+  JourneyBench bench("TMCM-6212");
+  EXPECT_THAT(warnings(set(bench, 18, 1)),
+              Contains(HasSubstr("deceleration_d1 1 pps/s (0 in the chip) cannot brake "
+                                 "below velocity_v1 25600 pps")));
+}
+
+TEST(Warnings, SpeakInTheUnitModeOfAModule) {
+  JourneyBench bench("TMCM-142");
+  set(bench, 17, 8589);
+  EXPECT_THAT(warnings(set(bench, 18, 18)),
+              Contains("max_bow 18 is 131072 and so exceeds max_deceleration 8589: the motor "
+                       "oscillates"));
+  set(bench, 255, 1);
+  set(bench, 17, 500'000);
+  EXPECT_THAT(warnings(set(bench, 18, 17)),
+              Contains("max_bow 17 is 3814698 pps/s and so exceeds max_deceleration 500000 pps/s: "
+                       "the motor oscillates"));
+  set(bench, 18, 0);
+  EXPECT_THAT(warnings(set(bench, 5, 1)),
+              Contains("acceleration 1 pps/s (0 in the chip): the motor cannot speed up"));
+}
+
+TEST(Warnings, SpeakInTheUnitOfTheAxisAsWell) {
+  JourneyBench bench("TMCM-6212", "unit = \"mm\"\nscrew_pitch = 5\n");
+  const auto done =
+      bench.call("parameter.set", {{"axis", "x"}, {"parameter", 19}, {"value_in_unit", "4mm/s"}});
+  EXPECT_THAT(warnings(done),
+              Contains(HasSubstr("is below start_velocity 40960 pps (4 mm/s), so a short way")));
+}
+
+TEST(Warnings, SpeakOfParametersOfATmc429) {
+  JourneyBench bench("TMCM-1110");
+  set(bench, 153, 13);
+  set(bench, 154, 0);
+  EXPECT_THAT(warnings(set(bench, 5, 1)),
+              Contains("max_acceleration 1 is outside its valid range for pulse_divisor 0 and "
+                       "ramp_divisor 13: the motor may oscillate around its target"));
+  set(bench, 5, 2000);
+  EXPECT_THAT(warnings(set(bench, 130, 2000)),
+              Contains("minimum_velocity 2000 is above max_velocity 1000"));
 }
 
 TEST(Warnings, AreOfAnAccelerationOutsideItsDividers) {
@@ -111,7 +176,8 @@ TEST(Warnings, AreOfASettingInWhicheverUnitItIsCounted) {
   JourneyBench bench("TMCM-142");
   set(bench, 255, 1);
   EXPECT_THAT(warnings(set(bench, 5, 1'455'192)), IsEmpty());
-  EXPECT_THAT(warnings(set(bench, 5, 5000)), Contains(HasSubstr("exceeds a_max")));
+  EXPECT_THAT(warnings(set(bench, 5, 5000)),
+              Contains(HasSubstr("exceeds acceleration 5000 pps/s")));
 }
 
 TEST(Warnings, CostTheReadingsOfARampOnce) {
@@ -177,7 +243,7 @@ TEST(Warnings, AreOfThePathThatIsPlanned) {
   EXPECT_THAT(warnings(bench.call("path.plan", path)), IsEmpty());
   set(bench, 18, 0);
   EXPECT_THAT(warnings(bench.call("path.plan", path)),
-              Contains(testing::StartsWith("x: d1 0 cannot brake")));
+              Contains(testing::StartsWith("x: deceleration_d1 0 pps/s cannot brake")));
 }
 
 }  // namespace

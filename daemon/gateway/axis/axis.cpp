@@ -200,7 +200,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(
   started.target = *target;
   if (twin) {
     twin->move_to(*target);
-    for (auto& finding : twin->findings()) started.warnings.push_back(std::move(finding.message));
+    for (auto& warning : warnings_of(*twin)) started.warnings.push_back(std::move(warning));
     started.predicted = twin->time_to_arrival();
     if (!started.predicted)
       started.warnings.emplace_back("with these settings it does not come to rest on its target");

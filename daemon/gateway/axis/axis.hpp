@@ -114,6 +114,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What its settings make of moves, wanted or not. Errors: those of reading them. `client`:
   /// who asks, and has its turn on the bus for it.
   Awaitable<std::vector<std::string>> warnings(std::uint64_t client = 0);
+  /// The same of a twin that is set otherwise than the axis.
+  std::vector<std::string> warnings_of(const tmcl::plan::AxisTwin& twin) const {
+    return units_.warnings_of(twin);
+  }
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   /// At most so old, and not from before the last command on its bus: answered without the bus if
   /// it was just read. `client`: as for warnings().

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/prediction.hpp"
 #include "tmcl/units.hpp"
 
@@ -81,22 +82,33 @@ AxisUnits::Script<bool> AxisUnits::know_ramp(const tmcl::Model& model) {
   if (!ramp) co_return tl::unexpected(std::move(ramp.error()));
   if (!*ramp) co_return false;
   ramp_ = Known<std::vector<tmcl::plan::Setting>>{now, std::move(**ramp)};
+  if (written_ && written_->epoch == now) hold_in_ramp(written_->value);
   co_return true;
 }
 
 AxisUnits::Script<std::vector<std::string>> AxisUnits::warnings(RampKnowledge from) {
-  std::vector<std::string> warnings;
   const auto* model = axis_.module().model();
   auto twin = model == nullptr ? std::nullopt : tmcl::plan::AxisTwin::of(*model);
   const bool is_known = ramp_ && ramp_->epoch == ramp_epoch();
-  if (!twin || (from == RampKnowledge::as_it_is && !is_known)) co_return warnings;
+  if (!twin || (from == RampKnowledge::as_it_is && !is_known)) co_return {};
   const auto known = co_await know_ramp(*model);
   if (!known) co_return tl::unexpected(known.error());
-  if (!*known || !twin->set(ramp_->value)) co_return warnings;
+  if (!*known || !twin->set(ramp_->value)) co_return {};
   twin->take_traits(axis_.module().traits());
   twin->move_to({});
-  for (auto& finding : twin->findings()) warnings.push_back(std::move(finding.message));
-  co_return warnings;
+  co_return warnings_of(*twin);
+}
+
+std::vector<std::string> AxisUnits::warnings_of(const tmcl::plan::AxisTwin& twin) const {
+  const auto& config = axis_.config().scale;
+  std::optional<tmcl::UserScale> scale;
+  if (config.microstep_resolution) {
+    scale = config.with_resolution(*config.microstep_resolution);
+  } else if (microstep_resolution_ && microstep_resolution_->epoch == epoch()) {
+    scale = config.with_resolution(microstep_resolution_->value);
+  }
+  const bool is_known = ramp_ && ramp_->epoch == ramp_epoch();
+  return twin.warnings(is_known ? ramp_->value : std::vector<tmcl::plan::Setting>{}, scale);
 }
 
 AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin(tmcl::Proof proof) {
@@ -147,15 +159,21 @@ void AxisUnits::note_set(std::uint8_t parameter, std::optional<std::int32_t> hel
   }
   if (counts) ++unit_changes_;
   if (was_known) hold_in_ramp({parameter, *held});
+  written_.reset();
+  if (held) written_ = Known<tmcl::plan::Setting>{ramp_epoch(), {parameter, *held}};
 }
 
 void AxisUnits::hold_in_ramp(tmcl::plan::Setting setting) {
   const auto row =
       std::ranges::find(ramp_->value, setting.parameter, &tmcl::plan::Setting::parameter);
   const bool is_in_ramp = row != ramp_->value.end();
-  // The one says what the others mean; the other may be two of them at once.
-  if (setting.parameter == ap::unit_mode) return;
-  if (setting.parameter == ap::max_acceleration && !is_in_ramp) return;
+  if (setting.parameter == ap::unit_mode) return;  // which says what the others mean
+  if (setting.parameter == ap::max_acceleration && !is_in_ramp) {
+    // On a TMC457 it is two of them at once.
+    hold_in_ramp({tmcl::number_of("acceleration"), setting.value});
+    hold_in_ramp({tmcl::number_of("max_deceleration"), setting.value});
+    return;
+  }
   if (is_in_ramp) row->value = setting.value;
   ramp_->epoch = ramp_epoch();
 }

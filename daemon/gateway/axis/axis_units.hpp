@@ -68,6 +68,8 @@ class AxisUnits {
   /// Warnings about moves with its settings: what its twin finds. Nothing where its
   /// ramps are not described, and where they are not known and must not be read.
   Script<std::vector<std::string>> warnings(RampKnowledge from = RampKnowledge::read);
+  /// The warnings of a twin, by the names of parameters and in what is known of its units.
+  std::vector<std::string> warnings_of(const tmcl::plan::AxisTwin& twin) const;
   /// The settings of its ramp, as twin() or warnings() has found them.
   std::vector<tmcl::plan::Setting> ramp_settings() const {
     return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
@@ -97,6 +99,8 @@ class AxisUnits {
   std::optional<Known<tmcl::ModuleUnits>> module_units_;
   std::optional<Known<std::int32_t>> microstep_resolution_;
   std::optional<Known<std::vector<tmcl::plan::Setting>>> ramp_;
+  /// What was written last: a module may read back less than that.
+  std::optional<Known<tmcl::plan::Setting>> written_;
 };
 
 }  // namespace tmcld

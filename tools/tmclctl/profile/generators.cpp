@@ -40,8 +40,7 @@ constexpr std::string_view tmc429_last[] = {"pmul",     "pdiv",     "mode",
 
 constexpr Symbol tmc457_symbols[] = {
     {"mode", "position", 0}, {"mode", "velocity", 2}, {"mode", "hold", 3}};
-// a_max_d_max writes two registers, and gives way to what is said of one of them.
-constexpr std::string_view tmc457_last[] = {"a_max", "d_max", "mode", "v_target", "x_target"};
+constexpr std::string_view tmc457_last[] = {"mode", "v_target", "x_target"};
 
 constexpr Symbol tmc4361_symbols[] = {{"rampmode", "velocity", 2}, {"rampmode", "position", 6}};
 constexpr std::string_view tmc4361_last[] = {"rampmode", "xtarget"};

@@ -23,7 +23,8 @@ class Player {
       if (auto written = apply(write); !written) return written;
     }
     if (auto written = apply_changes_due(); !written) return written;
-    return judge("");
+    judge();
+    return {};
   }
 
   const G& generator() const { return generator_; }
@@ -47,8 +48,8 @@ class Player {
   Result<void> write() {
     const auto first = next_change_;
     if (auto written = apply_changes_due(); !written) return written;
-    if (next_change_ == first) return {};
-    return judge(script_.changes[next_change_ - 1].write.words + ": ");
+    if (next_change_ != first) judge();
+    return {};
   }
 
  private:
@@ -75,14 +76,11 @@ class Player {
   }
 
   // What is written at one instant is judged together.
-  Result<void> judge(const std::string& cause) {
-    for (const auto& finding : generator_.findings()) {
-      if (finding.severity == tmcl::ramp::Finding::Severity::contradiction)
-        return tl::unexpected(usage_error("contradiction", cause + finding.message));
-      if (std::ranges::find(warnings_, finding.message) == warnings_.end())
-        warnings_.push_back(finding.message);
+  void judge() {
+    for (auto& warning : tmcl::ramp::warnings_of(generator_)) {
+      if (std::ranges::find(warnings_, warning) == warnings_.end())
+        warnings_.push_back(std::move(warning));
     }
-    return {};
   }
 
   const Script& script_;

@@ -109,23 +109,29 @@ std::optional<Ramp> ramp_down(const Outcome& outcome, const Setup& setup) {
   if (!outcome.arrival) return std::nullopt;
   return ramp_between(outcome.last_peak, {*outcome.arrival, outcome.at_end.position}, setup);
 }
-json::value to_json(const std::optional<Ramp>& ramp) {
+/// The name of a field that holds a time.
+std::string in_time_unit(std::string_view what, const Setup& setup) {
+  return fmt::format("{}_{}", what, setup.generator.time_unit);
+}
+json::value to_json(const std::optional<Ramp>& ramp, const Setup& setup) {
   if (!ramp) return nullptr;
-  return json::object{{"duration_s", ramp->duration}, {"microsteps", ramp->length}};
+  return json::object{{in_time_unit("duration", setup), ramp->duration},
+                      {"microsteps", ramp->length}};
 }
 
 json::object to_json(const Outcome& outcome, const Setup& setup, json::array samples) {
   json::array phases;
   for (const auto& phase : outcome.phases)
-    phases.push_back(json::object{{"name", phase.name}, {"start_s", setup.time_of(phase.tick)}});
+    phases.push_back(json::object{{"name", phase.name},
+                                  {in_time_unit("start", setup), setup.time_of(phase.tick)}});
   json::object document{
       {"generator", setup.generator.name},
-      {"duration_s",
+      {in_time_unit("duration", setup),
        outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr)},
       {"final_position", outcome.at_end.position},
       {"peak_velocity", outcome.peak_velocity},
-      {"ramp_up", to_json(std::optional(ramp_up(outcome, setup)))},
-      {"ramp_down", to_json(ramp_down(outcome, setup))},
+      {"ramp_up", to_json(std::optional(ramp_up(outcome, setup)), setup)},
+      {"ramp_down", to_json(ramp_down(outcome, setup), setup)},
       {"phases", std::move(phases)},
       {"samples", std::move(samples)}};
   if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
@@ -320,7 +326,8 @@ Registers are called as in the data sheets; values are decimal, 0x..., or these 
             last_step=r3|r1|r2
             factor_rule=percent_99|percent_95|percent_98_8|nearest|nearest_less_one
             order=ramp_first|pulse_first accumulator=cleared|kept
-  tmc457    mode=position|velocity|hold v_max v_target a_max d_max d_stop bow_max x_target
+  tmc457    mode=position|velocity|hold v_max v_target a_max d_max a_max_d_max d_stop bow_max
+            x_target; a_max_d_max is both a_max and d_max, and of it and those the later counts
   tmc4361   rampmode=position|velocity vmax amax dmax bow1 bow2 bow3 bow4 xtarget, S-shaped ramps
             only: a model, not exact to the tick; clk_freq is to be f_clk if that is given
   sixpoint  (TMC5130, TMC5160, TMC5072) rampmode=position|velocity_positive|velocity_negative|hold
@@ -334,10 +341,11 @@ cycles wherever SECONDS are meant. Mode and target are written last, whatever th
 A change acts after everything up to its instant; changes of one instant act in the order given.
 --json prints {"generator", "duration_s", "final_position", "peak_velocity", "ramp_up": {"duration_s",
 "microsteps"}, "ramp_down": likewise, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
-"a"}]}; duration_s is when it last came to rest on its target, null if it does not. The ramps are what
-comes before it is first as fast as it gets, and after that, until it stands there; text says so, too.
-What the chip would take but should not be told is a warning on standard error; settings that
-contradict each other are an error (exit code 2).
+"a"}]}; duration_s is when it last came to rest on its target, null if it does not. The times of
+mc1451a are called duration_cycles and start_cycles. The ramps are what comes before it is first as
+fast as it gets, and after that, until it stands there; text says so, too.
+What the chip would take but should not be told is a warning on standard error, the same that
+'tmclctl set' gives on a module.
 )";
 
 }  // namespace

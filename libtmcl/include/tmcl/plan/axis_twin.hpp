@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tmcl/clock.hpp"
+#include "tmcl/conversion.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/module_traits.hpp"
 #include "tmcl/ramp/generator.hpp"
@@ -80,8 +81,12 @@ class AxisTwin {
   AxisMotion motion() const;
   /// How long until it stands on its target; nothing if that is after `limit`, or never.
   std::optional<Duration> time_to_arrival(Duration limit = longest_prediction) const;
-  /// What about the settings will make it move in another way than one would wish.
-  std::vector<ramp::Finding> findings() const;
+  /// What about the settings will make it move in another way than one would wish: sentences
+  /// without a full stop, about axis parameters by their names and values. `written`: what was
+  /// written to them, where that is known; a value that the chip rounds is told as it was written.
+  /// With a scale that has a unit, velocities and accelerations are told in that as well.
+  std::vector<std::string> warnings(std::span<const Setting> written = {},
+                                    const std::optional<UserScale>& scale = {}) const;
 
   /// What a velocity and an acceleration mean in the unit of the moment.
   PulsesPerSecond to_pps(InternalVelocity velocity) const;

@@ -9,6 +9,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -49,15 +50,38 @@ std::string describe(const RegisterError& error);
 
 using Written = tl::expected<void, RegisterError>;
 
-/// Settings that the chip takes but that do not go together.
+/// Settings that the chip takes but that do not go together: it moves, but not as one would wish,
+/// and no document may say how. Always a warning: a register is written before the others are, and
+/// what is wrong then may be right a moment later.
 struct Finding {
-  enum class Severity : std::uint8_t {
-    warning,        ///< It moves, but not as one would wish.
-    contradiction,  ///< What it does then is not defined by any document.
+  enum class Form : std::uint8_t { name, value, name_and_value };
+  /// A register that the text is about. The value is one that the register could hold, and only
+  /// with its name the one that it holds.
+  struct Mention {
+    std::size_t index;  ///< Of the generator's registers.
+    std::int64_t value;
+    Form form;
   };
-  Severity severity;
-  std::string message;  ///< One sentence without a full stop; names the registers and their values.
+
+  /// One sentence without a full stop, with a {} for each mention.
+  std::string_view text;
+  std::vector<Mention> mentions;
 };
+
+/// With each {} as `said` calls its mention.
+std::string describe(const Finding& finding,
+                     const std::function<std::string(const Finding::Mention&)>& said);
+/// As the data sheet calls the registers: "vstop 10 is below vstart 50000, ...".
+std::string describe(const Finding& finding, std::span<const RegisterInfo> registers);
+
+/// All findings of a generator, by the names of its registers.
+template <class G>
+std::vector<std::string> warnings_of(const G& generator) {
+  std::vector<std::string> warnings;
+  for (const auto& finding : generator.findings())
+    warnings.push_back(describe(finding, G::registers()));
+  return warnings;
+}
 
 /// In the chip's units: microsteps and what its registers count velocity and acceleration in.
 struct Motion {

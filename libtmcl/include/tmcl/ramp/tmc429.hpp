@@ -229,7 +229,7 @@ class Tmc429 : public Tmc429Rules {
   Tick earliest_halt() const;
   Tick earliest_pass(std::int32_t velocity) const;
 
-  std::optional<std::string> wrong_deceleration() const;
+  std::optional<Finding> wrong_deceleration() const;
   void write_mode(Mode mode);
   void write_factor(Register name, std::int64_t value);
   void update_factor();

@@ -11,6 +11,28 @@ std::string describe(const RegisterError& error) {
          std::to_string(error.info->maximum) + ", not " + std::to_string(error.value);
 }
 
+std::string describe(const Finding& finding,
+                     const std::function<std::string(const Finding::Mention&)>& said) {
+  constexpr std::string_view place = "{}";
+  std::string message;
+  auto rest = finding.text;
+  for (const auto& mention : finding.mentions) {
+    const auto at = rest.find(place);
+    message += std::string(rest.substr(0, at)) + said(mention);
+    rest.remove_prefix(at + place.size());
+  }
+  return message + std::string(rest);
+}
+
+std::string describe(const Finding& finding, std::span<const RegisterInfo> registers) {
+  return describe(finding, [&](const Finding::Mention& mention) {
+    const std::string name(registers[mention.index].name);
+    if (mention.form == Finding::Form::name) return name;
+    const auto value = std::to_string(mention.value);
+    return mention.form == Finding::Form::value ? value : name + " " + value;
+  });
+}
+
 std::optional<std::size_t> find_register(std::span<const RegisterInfo> registers,
                                          std::string_view name) {
   for (std::size_t i = 0; i < registers.size(); ++i) {

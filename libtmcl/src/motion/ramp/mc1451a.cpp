@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 
+#include "motion/ramp/mentions.hpp"
 #include "motion/ramp/part_name.hpp"
 #include "motion/ramp/s_curve.hpp"
 
@@ -64,8 +64,7 @@ std::int64_t Mc1451a::read(Register name) const {
 std::vector<Finding> Mc1451a::findings() const {
   std::vector<Finding> found;
   const auto zero = [&](Register name) {
-    const std::string text(infos[static_cast<std::size_t>(name)].name);
-    found.push_back({Finding::Severity::warning, text + " is 0: the axis cannot move"});
+    found.push_back({"{}: the axis cannot move", {held(*this, name)}});
   };
   if (velocity_ == 0) zero(Register::velocity);
   if (acceleration_ == 0) zero(Register::acceleration);

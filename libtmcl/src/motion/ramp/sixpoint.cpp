@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <string>
+#include <utility>
+
+#include "motion/ramp/mentions.hpp"
 
 namespace tmcl::ramp {
 namespace {
@@ -93,43 +95,37 @@ std::int64_t SixPoint::read(Register name) const {
 }
 
 std::vector<Finding> SixPoint::findings() const {
+  using R = Register;
   std::vector<Finding> found;
-  const auto text = [this](Register name) {
-    return std::string(table[static_cast<std::size_t>(name)].name) + " " +
-           std::to_string(value(name));
+  const auto holds = [this](R name) { return held(*this, name); };
+  const auto add = [&](bool wrong, std::string_view text, std::vector<Finding::Mention> mentions) {
+    if (wrong) found.push_back({text, std::move(mentions)});
   };
-  const auto add = [&](bool wrong, Finding::Severity severity, std::string message) {
-    if (wrong) found.push_back({severity, std::move(message)});
-  };
-  constexpr auto contradiction = Finding::Severity::contradiction;
-  constexpr auto warning = Finding::Severity::warning;
-  const auto is_zero = [this](Register name) { return value(name) == 0; };
+  const auto is_zero = [this](R name) { return value(name) == 0; };
+  constexpr std::int32_t least_vstop = 10;
 
   const bool positioning = mode() == Mode::position;
   if (mode() == Mode::hold) return found;
   if (positioning) {
-    const auto vstop = value(Register::vstop);
-    add(vstop < value(Register::vstart), contradiction,
-        text(Register::vstop) + " is below " + text(Register::vstart) +
-            ", so a short way may not allow to stop");
-    add(vstop < 10, contradiction,
-        text(Register::vstop) + " is below 10, the least for positioning");
+    add(value(R::vstop) < value(R::vstart), "{} is below {}, so a short way may not allow to stop",
+        {holds(R::vstop), holds(R::vstart)});
+    add(value(R::vstop) < least_vstop, "{} is below {}, the least for positioning",
+        {holds(R::vstop), mention(R::vstop, least_vstop, Finding::Form::value)});
   }
-  add(is_zero(Register::vmax), warning, "vmax 0: the motor does not move");
-  if (is_zero(Register::vmax)) return found;
-  add(is_zero(Register::amax), contradiction, "amax 0 cannot change the velocity");
+  add(is_zero(R::vmax), "{}: the motor does not move", {holds(R::vmax)});
+  if (is_zero(R::vmax)) return found;
+  add(is_zero(R::amax), "{} cannot change the velocity", {holds(R::amax)});
   if (!positioning) return found;
 
-  add(value(Register::vmax) < value(Register::vstart), contradiction,
-      text(Register::vmax) + " is below " + text(Register::vstart));
-  add(is_zero(Register::dmax), contradiction, "dmax 0 cannot brake");
-  if (is_zero(Register::v1)) {
-    add(is_zero(Register::d1), warning,
-        "d1 0 is not to be set for positioning, not even while v1 is 0");
+  add(value(R::vmax) < value(R::vstart), "{} is below {}", {holds(R::vmax), holds(R::vstart)});
+  add(is_zero(R::dmax), "{} cannot brake", {holds(R::dmax)});
+  if (is_zero(R::v1)) {
+    add(is_zero(R::d1), "{} is not to be set for positioning, not even while {} is 0",
+        {holds(R::d1), mention(R::v1, 0, Finding::Form::name)});
     return found;
   }
-  add(is_zero(Register::a1), contradiction, "a1 0 cannot come up to " + text(Register::v1));
-  add(is_zero(Register::d1), contradiction, "d1 0 cannot brake below " + text(Register::v1));
+  add(is_zero(R::a1), "{} cannot come up to {}", {holds(R::a1), holds(R::v1)});
+  add(is_zero(R::d1), "{} cannot brake below {}", {holds(R::d1), holds(R::v1)});
   return found;
 }
 

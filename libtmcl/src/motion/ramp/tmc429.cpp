@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "motion/ramp/integer.hpp"
+#include "motion/ramp/mentions.hpp"
 
 namespace tmcl::ramp {
 namespace {
@@ -170,37 +172,35 @@ void Tmc429::update_factor() {
 }
 
 std::vector<Finding> Tmc429::findings() const {
+  using R = Register;
   std::vector<Finding> all;
   if (mode_ == Mode::hold) return all;  // where no limit applies
-  const auto warn = [&](std::string message) {
-    all.push_back({Finding::Severity::warning, std::move(message)});
-  };
-  if (v_max_ == 0) warn("v_max = 0: the motor does not move");
-  if (a_max_ == 0) warn("a_max = 0: the motor can neither speed up nor slow down");
+  const auto holds = [this](R name) { return held(*this, name); };
+  if (v_max_ == 0) all.push_back({"{}: the motor does not move", {holds(R::v_max)}});
+  if (a_max_ == 0)
+    all.push_back({"{}: the motor can neither speed up nor slow down", {holds(R::a_max)}});
   if (!positioning()) return all;
-  if (v_min_ == 0) warn("v_min = 0: the motor may stop short of its target");
-  if (v_min_ > v_max_) {
-    warn("v_min = " + std::to_string(v_min_) + " is above v_max = " + std::to_string(v_max_));
-  }
-  if (const auto message = wrong_deceleration(); a_max_ != 0 && message) warn(*message);
+  if (v_min_ == 0) all.push_back({"{}: the motor may stop short of its target", {holds(R::v_min)}});
+  if (v_min_ > v_max_) all.push_back({"{} is above {}", {holds(R::v_min), holds(R::v_max)}});
+  if (auto finding = wrong_deceleration(); a_max_ != 0 && finding)
+    all.push_back(std::move(*finding));
   return all;
 }
 
 // Whether the ramp to the target asks for what a_max cannot do.
-std::optional<std::string> Tmc429::wrong_deceleration() const {
-  const auto text = [](std::string_view name, std::int64_t value) {
-    return std::string(name) + " = " + std::to_string(value);
-  };
-  const auto a_max = text("a_max", a_max_);
-  const auto dividers = text("pulse_div", pulse_div_) + " and " + text("ramp_div", ramp_div_);
+std::optional<Finding> Tmc429::wrong_deceleration() const {
+  using R = Register;
+  const auto holds = [this](R name) { return held(*this, name); };
   const double scale = std::exp2(ramp_div_ - pulse_div_);
   if (a_max_ < scale / 2 || a_max_ > 4096 * scale - 1) {
-    return a_max + " is outside its valid range for " + dividers +
-           ": the motor may oscillate around its target";
+    return Finding{
+        "{} is outside its valid range for {} and {}: the motor may oscillate around its target",
+        {holds(R::a_max), holds(R::pulse_div), holds(R::ramp_div)}};
   }
   if (factor() * 128 * scale > a_max_ * std::exp2(3 + pdiv_)) {
-    return text("pmul", pmul_) + " and " + text("pdiv", pdiv_) + " are too great for " + a_max +
-           ", " + dividers + ": the motor overshoots its target";
+    return Finding{
+        "{} and {} are too great for {}, {} and {}: the motor overshoots its target",
+        {holds(R::pmul), holds(R::pdiv), holds(R::a_max), holds(R::pulse_div), holds(R::ramp_div)}};
   }
   return std::nullopt;
 }

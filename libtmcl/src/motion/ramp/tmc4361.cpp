@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 
+#include "motion/ramp/mentions.hpp"
 #include "motion/ramp/part_name.hpp"
 #include "motion/ramp/s_curve.hpp"
 
@@ -47,10 +47,6 @@ constexpr std::array<RegisterInfo, 15> infos{{
 }};
 
 constexpr auto first_bow = static_cast<std::size_t>(Tmc4361::Register::bow1);
-
-std::string with(std::size_t name, std::int64_t value) {
-  return std::string(infos[name].name) + " is " + std::to_string(value);
-}
 
 }  // namespace
 
@@ -108,30 +104,30 @@ std::int64_t Tmc4361::read(Register name) const {
 
 // The greatest values are those of the data sheet's section "Internal Ramp Generator Units".
 std::vector<Finding> Tmc4361::findings() const {
+  using R = Register;
   std::vector<Finding> found;
-  const auto warn = [&](std::string message) {
-    found.push_back({Finding::Severity::warning, std::move(message)});
-  };
-  if (amax_ == 0) warn("amax is 0: the motor cannot speed up");
-  if (dmax_ == 0) warn("dmax is 0: the motor cannot slow down");
-  if (vmax_ == 0 && mode_ == Mode::position) warn("vmax is 0: the motor cannot drive to a target");
-  if (dstop_ == 0 && soft_stop_en_ && (stop_left_en_ || stop_right_en_)) {
-    warn("dstop is 0: a switch does not stop the motor");
-  }
+  const auto holds = [this](R name) { return held(*this, name); };
+  if (amax_ == 0) found.push_back({"{}: the motor cannot speed up", {holds(R::amax)}});
+  if (dmax_ == 0) found.push_back({"{}: the motor cannot slow down", {holds(R::dmax)}});
+  if (vmax_ == 0 && mode_ == Mode::position)
+    found.push_back({"{}: the motor cannot drive to a target", {holds(R::vmax)}});
+  if (dstop_ == 0 && soft_stop_en_ && (stop_left_en_ || stop_right_en_))
+    found.push_back({"{}: a switch does not stop the motor", {holds(R::dstop)}});
   const double steepest = std::max(amax_, dmax_) / a_units * clk_freq_ / steepest_clocks;
   for (std::size_t i = 0; i < bows_.size(); ++i) {
-    const auto name = with(first_bow + i, bows_[i]);
+    const auto bow = holds(static_cast<R>(first_bow + i));
     if (bows_[i] == 0) {
-      warn(name + ": taken as none, where the data sheet wants at least 1");
+      found.push_back({"{}: taken as none, where the data sheet wants at least 1", {bow}});
     } else if (bows_[i] > steepest) {
-      warn(name + ", more than the greater of amax and dmax allows");
+      found.push_back({"{} is more than the greater of {} and {} allows",
+                       {bow, holds(R::amax), holds(R::dmax)}});
     }
   }
-  const int share = mode_ == Mode::position ? 4 : 2;
-  if (std::abs(vmax_ / v_units) > static_cast<double>(clk_freq_) / share) {
-    found.push_back({Finding::Severity::contradiction,
-                     with(static_cast<std::size_t>(Register::vmax), vmax_) + ", more than 1/" +
-                         std::to_string(share) + " microstep a clock"});
+  const bool positioning = mode_ == Mode::position;
+  if (std::abs(vmax_ / v_units) > static_cast<double>(clk_freq_) / (positioning ? 4 : 2)) {
+    found.push_back({positioning ? "{} is more than 1/4 microstep a clock"
+                                 : "{} is more than 1/2 microstep a clock",
+                     {holds(R::vmax)}});
   }
   return found;
 }

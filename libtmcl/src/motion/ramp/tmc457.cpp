@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
+#include <utility>
 
+#include "motion/ramp/mentions.hpp"
 #include "motion/ramp/part_name.hpp"
 #include "motion/ramp/s_curve.hpp"
 
@@ -92,26 +93,24 @@ std::int64_t Tmc457::read(Register name) const {
 }
 
 std::vector<Finding> Tmc457::findings() const {
+  using R = Register;
   std::vector<Finding> found;
-  const auto warn = [&](std::string message) {
-    found.push_back({Finding::Severity::warning, std::move(message)});
-  };
-  const auto with = [](std::string_view name, std::int32_t value) {
-    return std::string(name) + " " + std::to_string(value);
-  };
-  if (a_max_ == 0) warn("a_max is 0: the motor cannot speed up");
-  if (d_max_ == 0) warn("d_max is 0: the motor cannot slow down");
-  if (v_max_ == 0) warn("v_max is 0: the motor cannot drive to a target");
-  if (d_stop_ == 0 && (enable_stop_l_ || enable_stop_r_)) {
-    warn("d_stop is 0: a switch does not stop the motor");
-  }
+  const auto holds = [this](R name) { return held(*this, name); };
+  if (a_max_ == 0) found.push_back({"{}: the motor cannot speed up", {holds(R::a_max)}});
+  if (d_max_ == 0) found.push_back({"{}: the motor cannot slow down", {holds(R::d_max)}});
+  if (v_max_ == 0) found.push_back({"{}: the motor cannot drive to a target", {holds(R::v_max)}});
+  if (d_stop_ == 0 && (enable_stop_l_ || enable_stop_r_))
+    found.push_back({"{}: a switch does not stop the motor", {holds(R::d_stop)}});
+  const auto limit = a_max_ <= d_max_ ? R::a_max : R::d_max;
+  // What is added to an acceleration counts as that does.
+  std::vector mentions{holds(R::bow_max), mention(limit, bow_value(), Finding::Form::value),
+                       holds(limit)};
   const auto least = std::min(a_max_, d_max_);
-  const auto limit = a_max_ <= d_max_ ? with("a_max", a_max_) : with("d_max", d_max_);
-  const auto bow = with("bow_max", bow_max_) + " is " + std::to_string(bow_value());
   if (oscillates()) {
-    warn(bow + " and so exceeds " + limit + ": the motor oscillates");
+    found.push_back({"{} is {} and so exceeds {}: the motor oscillates", std::move(mentions)});
   } else if (least > 0 && least <= 2 * bow_value()) {
-    warn(bow + ", no less than half of " + limit + ": the motor may oscillate");
+    found.push_back(
+        {"{} is {}, no less than half of {}: the motor may oscillate", std::move(mentions)});
   }
   return found;
 }

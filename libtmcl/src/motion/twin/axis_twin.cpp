@@ -6,6 +6,8 @@
 
 #include "tmcl/conversion.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
+#include "tmcl/quantity.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -303,8 +305,82 @@ std::optional<Duration> AxisTwin::time_to_arrival(Duration limit) const {
       chip_);
 }
 
-std::vector<ramp::Finding> AxisTwin::findings() const {
-  return std::visit([](const auto& chip) { return chip.findings(); }, chip_);
+namespace {
+
+/// How a register is called where a user sees it as an axis parameter.
+template <class Chip>
+class ParameterNames {
+ public:
+  ParameterNames(const Model& model, const Chip& chip, const UnitMode& units,
+                 std::span<const Setting> written, const std::optional<UserScale>& scale)
+      : chip_(chip), unit_mode_(units), written_(written) {
+    axis_.model = &model;
+    axis_.module = units.in_pps() ? ModuleUnits{} : chip_units(chip);
+    if (scale && !scale->unit.empty()) axis_.scale = scale;
+  }
+
+  std::string operator()(const ramp::Finding::Mention& mention) const {
+    using Form = ramp::Finding::Form;
+    const auto* row = row_of(static_cast<typename Chip::Register>(mention.index));
+    if (row == nullptr) return in_register(mention);
+    const std::string name(row->name);
+    if (mention.form == Form::name) return name;
+    if (mention.form == Form::value)
+      return text_of(unit_mode_.read(row->scale, mention.value), *row, {});
+    const auto value = value_of(*row, mention);
+    const bool vanishes = value != 0 && mention.value == 0;
+    return name + " " + text_of(value, *row, vanishes ? "0 in the chip" : "");
+  }
+
+ private:
+  const ParameterInfo* row_of(typename Chip::Register name) const {
+    const auto map = map_of(chip_);
+    const auto mapped = std::ranges::find(map, name, &Mapped<Chip>::name);
+    return mapped == map.end() ? nullptr : find_parameter(axis_.parameters(), mapped->parameter);
+  }
+
+  static std::string in_register(const ramp::Finding::Mention& mention) {
+    return describe(ramp::Finding{"{}", {mention}}, Chip::registers());
+  }
+
+  std::int32_t value_of(const ParameterInfo& row, const ramp::Finding::Mention& mention) const {
+    const auto written = std::ranges::find(written_, row.number, &Setting::parameter);
+    const bool is_it = written != written_.end() &&
+                       unit_mode_.in_register(row.scale, written->value) == mention.value;
+    return is_it ? written->value : unit_mode_.read(row.scale, mention.value);
+  }
+
+  /// Such as "40960 pps (4 mm/s)".
+  std::string text_of(std::int32_t value, const ParameterInfo& row, std::string remark) const {
+    auto text = std::to_string(value);
+    if (row.scale == Scale::velocity && unit_mode_.in_pps()) text += " pps";
+    if (row.scale == Scale::acceleration && unit_mode_.in_pps()) text += " pps/s";
+    if (const auto quantity = from_parameter(value, axis_, row); axis_.scale && quantity) {
+      constexpr int digits = 4;
+      const auto in_unit = plain_number(quantity->number, digits) + " " + quantity->unit;
+      remark = remark.empty() ? in_unit : in_unit + "; " + remark;
+    }
+    return remark.empty() ? text : text + " (" + remark + ")";
+  }
+
+  const Chip& chip_;
+  const UnitMode& unit_mode_;
+  std::span<const Setting> written_;
+  AxisUnits axis_;
+};
+
+}  // namespace
+
+std::vector<std::string> AxisTwin::warnings(std::span<const Setting> written,
+                                            const std::optional<UserScale>& scale) const {
+  return std::visit(
+      [&](const auto& chip) {
+        const ParameterNames names(*model_, chip, units_, written, scale);
+        std::vector<std::string> warnings;
+        for (const auto& finding : chip.findings()) warnings.push_back(describe(finding, names));
+        return warnings;
+      },
+      chip_);
 }
 
 PulsesPerSecond AxisTwin::to_pps(InternalVelocity velocity) const {
