@@ -90,6 +90,7 @@ Task<plan::MintAxis> known_axis(unsigned number, GatewayAxis& axis, bool counts_
   if (counts_encoder) {
     const auto per_count = co_await must(microsteps_per_count(axis, known.units.scale));
     known.microsteps_per_count = per_count;
+    known.counts_encoder = true;
   }
   known.units.limits = axis.soft_limits();
   co_return known;

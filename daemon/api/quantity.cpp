@@ -178,12 +178,16 @@ Result<Quantity> jerk_quantity_of(const api::Amount& said, const GatewayAxis& ax
 
 }  // namespace
 
-Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said) {
-  const auto quantity = co_await must(jerk_quantity_of(said, axis));
+Task<ParsedRate<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis, const api::Amount& said) {
+  auto quantity = co_await must(jerk_quantity_of(said, axis));
   const auto units = co_await must(units_for(axis, jerk_param, quantity));
-  const auto jerk = tmcl::to_pps3(quantity, units.undirected());
+  auto undirected = units.undirected();
+  const auto jerk = tmcl::to_pps3(quantity, undirected);
   if (!jerk) co_return quantity_error(jerk_param, jerk.error());
-  if (jerk->value > 0) co_return *jerk;
+  if (jerk->value > 0) {
+    co_return ParsedRate<tmcl::PulsesPerSecond3>{*jerk, jerk_param, std::move(quantity),
+                                                 std::move(undirected)};
+  }
   co_return param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0");
 }
 

@@ -61,7 +61,7 @@ Task<ParsedRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, RawO
 Task<ParsedRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis,
                                                               RawOrQuantity said);
 /// A number: in the axis' unit per second cubed.
-Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said);
+Task<ParsedRate<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis, const api::Amount& said);
 
 /// An error about the parameter `param`.
 Error quantity_error(std::string_view param, const tmcl::Error& error);

@@ -38,17 +38,29 @@ struct ChosenRamp {
   std::vector<std::string> warnings;
 };
 
-/// Nothing: as it is.
-Task<std::optional<double>> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params) {
+/// What was asked for; nothing: as it is.
+struct JerkWish {
+  std::optional<double> in_pulses;
+  plan::WishUnit unit{1, "microsteps/s^3"};
+};
+Task<JerkWish> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params) {
   if (params.jerk && params.bow) {
     co_return param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both");
   }
-  if (params.bow) co_return tmcl::to_pps3(*params.bow).value;
-  if (!params.jerk) co_return std::nullopt;
+  if (params.bow) co_return JerkWish{tmcl::to_pps3(*params.bow).value};
+  if (!params.jerk) co_return JerkWish{};
   const auto* text = std::get_if<std::string>(&params.jerk->said);
-  if (text != nullptr && *text == "max") co_return plan::highest_jerk;
+  if (text != nullptr && *text == "max") co_return JerkWish{plan::highest_jerk};
   const auto jerk = co_await must(jerk_of(axis, *params.jerk));
-  co_return jerk.value;
+  co_return JerkWish{jerk.in_pulses.value,
+                     {jerk.quantity.number / jerk.in_pulses.value, jerk.quantity.unit}};
+}
+
+/// What the module counts itself may count something else with the ramp that is chosen.
+template <class Value>
+plan::WishUnit unit_of(const ParsedRate<Value>& rate, std::string_view in_pulses) {
+  if (rate.quantity.unit.empty()) return {1, std::string(in_pulses)};
+  return {rate.quantity.number / rate.in_pulses.value, rate.quantity.unit};
 }
 
 Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
@@ -63,15 +75,44 @@ Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
         axis, raw_or_quantity<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params)));
   }
   const auto jerk = co_await must(jerk_asked_for(axis, params));
-  const plan::RampRequest request{velocity.in_pulses, acceleration.in_pulses,
-                                  deceleration.in_pulses, jerk};
+  plan::RampRequest request{velocity.in_pulses, acceleration.in_pulses, deceleration.in_pulses,
+                            jerk.in_pulses};
+  request.said_in = {unit_of(velocity, "microsteps/s"), unit_of(acceleration, "microsteps/s^2"),
+                     unit_of(deceleration, "microsteps/s^2"), jerk.unit};
   co_return Wish{std::move(velocity), std::move(acceleration), std::move(deceleration), request};
 }
 
+/// With fewer microsteps, by which what was said in them stays as it is.
+std::string hint_of_microsteps(const Wish& wish, const tmcl::Model& model,
+                               const tmcl::ModuleUnits& units) {
+  const tmcl::UserScale* scale = nullptr;
+  const auto look = [&](const auto& rate) {
+    if (!is_in_microsteps(rate.quantity) && rate.units.scale) scale = &*rate.units.scale;
+  };
+  look(wish.velocity);
+  look(wish.acceleration);
+  look(wish.deceleration);
+  if (scale == nullptr) return {};
+  return tmcl::hint_of_resolution(scale->steps.resolution, [&](double share) {
+    auto request = wish.request;
+    const auto shrink = [&](const auto& rate, auto& pulses) {
+      if (!is_in_microsteps(rate.quantity)) pulses.value *= share;
+    };
+    shrink(wish.velocity, request.velocity);
+    shrink(wish.acceleration, request.acceleration);
+    shrink(wish.deceleration, request.deceleration);
+    return choose_ramp(model, request, units).has_value();
+  });
+}
+
 /// Which of them the module does not have.
-Error too_far(const tmcl::OutOfReach& fault, const Wish& wish) {
+Error too_far(const tmcl::OutOfReach& fault, const Wish& wish, const tmcl::Model& model,
+              const tmcl::ModuleUnits& units) {
   const auto error_at = [&](const auto& said) {
-    return quantity_error(said.param, out_of_reach(said.quantity, said.units, fault));
+    auto error = out_of_reach(said.quantity, said.units, fault);
+    error.hint.clear();
+    if (fault.wished > fault.nearest) error.hint = hint_of_microsteps(wish, model, units);
+    return quantity_error(said.param, error);
   };
   if (fault.is_velocity()) return error_at(wish.velocity);
   const auto off = [&](const Rate2& rate) { return std::abs(fault.wished - rate.in_pulses.value); };
@@ -81,7 +122,8 @@ Error too_far(const tmcl::OutOfReach& fault, const Wish& wish) {
 
 /// What no bow keeps would be exceeded in silence.
 std::optional<Error> jerk_refusal(const GatewayAxis& axis, const axis::OfRamp& params,
-                                  const tmcl::Model& model, std::optional<double> jerk) {
+                                  const tmcl::Model& model, const plan::RampRequest& request) {
+  const auto& jerk = request.jerk;
   if (!jerk || *jerk == plan::highest_jerk) return std::nullopt;
   const auto fault = plan::jerk_out_of_reach(model, *jerk);
   if (!fault) return std::nullopt;
@@ -91,7 +133,7 @@ std::optional<Error> jerk_refusal(const GatewayAxis& axis, const axis::OfRamp& p
                            ": it has no bow, and its acceleration changes at once",
                        "leave 'jerk' and 'bow' away, or give 'max' as 'jerk'");
   }
-  return param_error("out_of_range", jerk_param, describe(*fault),
+  return param_error("out_of_range", jerk_param, describe(in_unit(*fault, request.said_in.jerk)),
                      "give a higher jerk, or leave 'jerk' away");
 }
 
@@ -132,13 +174,13 @@ Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
                              " is not known, so what its parameters mean is not, either");
   }
   auto wish = co_await must(wish_of(axis, params));
-  co_await must_not(jerk_refusal(axis, params, *model, wish.request.jerk));
+  co_await must_not(jerk_refusal(axis, params, *model, wish.request));
   if (model->family == tmcl::Family::tmc457) {
     const auto bow = co_await must(axis.get(max_bow, {}), axis);
     wish.request.bow = bow;
   }
   auto choice = plan::choose_ramp(*model, wish.request, *units);
-  if (!choice) co_return too_far(choice.error(), wish);
+  if (!choice) co_return too_far(choice.error(), wish, *model, *units);
   auto warnings = foreseen(*choice, *model);
   co_return ChosenRamp{model, std::move(*choice), std::move(warnings)};
 }

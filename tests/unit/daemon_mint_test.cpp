@@ -7,7 +7,9 @@
 namespace tmcld::test {
 namespace {
 
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 using tmcl::Command;
 
 // On a TMCM-3110 these need other dividers than it begins with.
@@ -61,10 +63,39 @@ TEST(DaemonMint, GroupsThatMoveNothingDoNotKeepTheReactor) {
 
 TEST(DaemonMint, WhatIsTooFastIsRefusedWithAWayOut) {
   JourneyBench bench;
-  const auto refused =
-      bench.call("mint.run", order("SPEED = 1E9\nACCEL = 1E12\nMOVEA = 100\nGO\n"));
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().hint, HasSubstr("fewer microsteps (parameter 140)"));
+  const auto refused = [&](const std::string& text) {
+    const auto result = bench.call("mint.run", order(text, {"x"}));
+    EXPECT_FALSE(result);
+    return result.error().message + " | " + result.error().hint;
+  };
+  const auto fast = refused("SCALE = 10\nSPEED = 100000\nACCEL = 100000\nMOVEA = 100\nGO\n");
+  EXPECT_THAT(fast, HasSubstr("SPEED of x: 100000 is too fast"));
+  EXPECT_THAT(fast, HasSubstr("the nearest possible value is 49975.58"));
+  EXPECT_THAT(fast, HasSubstr("With 64 microsteps a full step (parameter 140 set to 6) it can be "
+                              "had; SCALE is 2.5 then"));
+  // What no resolution makes possible has no such hint.
+  EXPECT_THAT(refused("SPEED = 1E9\nACCEL = 1E12\nMOVEA = 100\nGO\n"),
+              Not(HasSubstr("parameter 140")));
+}
+
+TEST(DaemonMint, WhichRampIsTooSteepIsSaid) {
+  JourneyBench bench("TMCM-6212",
+                     "unit = \"mm\"\nscrew_pitch = 10\ngear_ratio = 3\nencoder_lines = 1000\n");
+  const auto refused = [&](const std::string& ramps) {
+    auto params = order("SCALE = 1200\nSPEED = 250\n" + ramps + "MOVEA = 200\nGO\n", {"x"});
+    params["counts"] = "encoder";
+    const auto result = bench.call("mint.run", params);
+    EXPECT_FALSE(result);
+    return result.error().message + " | " + result.error().hint;
+  };
+  // The note's own: 19200000 microsteps/s^2 with 256 microsteps. In counts of an encoder the
+  // program stays as it is.
+  const auto accel = refused("ACCEL = 1250\nDECEL = 400\n");
+  EXPECT_THAT(accel,
+              HasSubstr("ACCEL of x: 1250 is too large; the nearest possible value is 496.69"));
+  EXPECT_THAT(accel,
+              EndsWith("With 64 microsteps a full step (parameter 140 set to 6) it can be had"));
+  EXPECT_THAT(refused("ACCEL = 400\nDECEL = 1250\n"), HasSubstr("DECEL of x: 1250 is too large"));
 }
 
 TEST(DaemonMint, WhoAsksIsToldHowFarItIs) {

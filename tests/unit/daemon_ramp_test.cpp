@@ -9,6 +9,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr const char* in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
 
@@ -213,7 +214,7 @@ TEST_F(DaemonBow, IsTheHighestThatTheJerkAllows) {
   // 931322575 pps/s2 is that of 11; a bow of 13 would swing at 6872 of the register.
   EXPECT_EQ(bow_for({{"jerk", "1e9pps/s2"}}), 11);
   EXPECT_THAT(json::serialize(planned(with({{"jerk", "1e9pps/s2"}})).at("remarks")),
-              HasSubstr("the jerk is 931322575 microsteps/s^3, not 1000000000"));
+              HasSubstr("the jerk is 931322575 pps/s2, not 1000000000 pps/s2"));
   EXPECT_EQ(bow_for({{"jerk", "max"}}), 12);
   EXPECT_EQ(bow_for({{"jerk", "1e9mm/s^3"}}), 12);
   EXPECT_EQ(bow_for({{"jerk", "90000mm/s3"}}), 10);
@@ -222,11 +223,12 @@ TEST_F(DaemonBow, IsTheHighestThatTheJerkAllows) {
 }
 
 TEST_F(DaemonBow, OfAJerkThatNoBowKeepsIsRefusedWithTheNearest) {
-  for (const auto* jerk : {"1pps/s2", "100pps/s2", "909494pps/s2", "0.001mm/s3"}) {
-    const auto refused = call("axis.plan_ramp", with({{"jerk", jerk}}));
-    ASSERT_FALSE(refused) << jerk;
-    EXPECT_THAT(refused.error().message, HasSubstr("909494.8")) << jerk;
-  }
+  for (const auto* jerk : {"1pps/s2", "100pps/s2", "909494pps/s2"})
+    EXPECT_THAT(refusal(with({{"jerk", jerk}})), HasSubstr("value is 909494.8 pps/s2")) << jerk;
+  EXPECT_THAT(refusal(with({{"jerk", "0.001mm/s3"}})),
+              HasSubstr("0.001 mm/s3 is below the jerk of the smallest bow; the nearest possible "
+                        "value is 88.81785 mm/s3"));
+  EXPECT_THAT(refusal(with({{"jerk", 0.001}})), HasSubstr("value is 88.81785 mm/s^3"));
   EXPECT_EQ(bow_for({{"jerk", "909495pps/s2"}}), 1);
 }
 
@@ -263,9 +265,50 @@ TEST_F(DaemonSixpointRamp, BrakesAsAsked) {
 }
 
 TEST_F(DaemonRamp, WhatItsModuleHasNotApartIsSaid) {
-  auto params = ramp("50000pps", "200000pps/s");
-  params["deceleration"] = "100000pps/s";
-  EXPECT_THAT(json::serialize(planned(params).at("remarks")), HasSubstr("the deceleration is"));
+  auto params = ramp("50000pps", "20mm/s2");
+  params["deceleration"] = "10mm/s2";
+  EXPECT_THAT(json::serialize(planned(params).at("remarks")),
+              testing::ContainsRegex("the deceleration is [12][09][.0-9]* mm/s2, not 10 mm/s2"));
+}
+
+// v / a + s / v seconds, whatever the resolution: the accelerations that are written count its
+// microsteps, as the velocities do.
+TEST_F(DaemonSixpointRamp, IsInMicrostepsOfTheSetResolution) {
+  for (const int resolution : {8, 6, 4}) {
+    SCOPED_TRACE(resolution);
+    put(140, resolution);
+    const int of_a_mm = 200 * (1 << resolution) / 5;
+    const auto done = set(ramp("10mm/s", "100mm/s^2"));
+    ASSERT_TRUE(done) << done.error().message;
+    EXPECT_EQ(bench.get("x", 4), 10 * of_a_mm);
+    EXPECT_EQ(done->at("acceleration_pps2").to_number<double>(), 100 * of_a_mm);
+    EXPECT_NEAR(static_cast<double>(bench.get("x", 5)), 100 * of_a_mm, 120) << "rounded down";
+    const auto before = bench.position("x");
+    const auto moved = call("axis.move_by", {{"distance_microsteps", 5 * of_a_mm}});
+    ASSERT_TRUE(moved) << moved.error().message;
+    EXPECT_NEAR(moved->at("predicted_s").to_number<double>(), 10. / 100 + 5. / 10, 0.002);
+    bench.time.run_for(std::chrono::seconds(1));
+    EXPECT_EQ(bench.position("x") - before, 5 * of_a_mm);
+  }
+}
+
+// 1/16 microsteps have sixteen times the range of accelerations.
+TEST_F(DaemonSixpointRamp, BeyondTheRegisterTheMicrostepsThatWouldDoAreNamed) {
+  const auto at_steepest = [&](const char* acceleration) {
+    return refusal(ramp("10mm/s", acceleration));
+  };
+  // 7629278 pps/s with 10240 microsteps a mm.
+  EXPECT_THAT(at_steepest("746mm/s^2"),
+              HasSubstr("746 mm/s^2 is too large; the nearest possible value is 745.0"));
+  EXPECT_THAT(at_steepest("746mm/s^2"),
+              HasSubstr("With 128 microsteps a full step (parameter 140 set to 7) it can be had"));
+  EXPECT_THAT(at_steepest("11900mm/s^2"), HasSubstr("parameter 140 set to 4)"));
+  EXPECT_THAT(at_steepest("11921mm/s^2"), HasSubstr("parameter 140 set to 3)"));
+  EXPECT_THAT(at_steepest("1e9mm/s^2"), Not(HasSubstr("parameter 140")));
+  EXPECT_THAT(at_steepest("1e9pps/s"), Not(HasSubstr("parameter 140")));
+  put(140, 4);
+  EXPECT_THAT(refusal(ramp("10mm/s", "11900mm/s^2")), testing::Eq("none"));
+  EXPECT_THAT(at_steepest("11921mm/s^2"), HasSubstr("parameter 140 set to 3)"));
 }
 
 }  // namespace

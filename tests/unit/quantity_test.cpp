@@ -177,6 +177,17 @@ TEST_F(AxisQuantity, WhatDoesNotFitIsRefusedWithTheNearestInTheUnitThatWasSaid) 
   EXPECT_EQ(in(2, "124938.96484375pps"), 2047) << "the nearest that is named";
 }
 
+TEST_F(AxisQuantity, WhatDoesNotFitHasTheMicrostepsThatWouldDo) {
+  // 2047 are 124938.96 pps or 12.2 mm/s here.
+  EXPECT_THAT(refused(2, "24mm/s").hint,
+              HasSubstr("128 microsteps a full step (parameter 140 set to 7)"));
+  EXPECT_THAT(refused(2, "-25mm/s").hint, HasSubstr("(parameter 140 set to 6)"));
+  EXPECT_THAT(refused(2, "600rpm").hint, HasSubstr("(parameter 140 set to 5)"));
+  EXPECT_THAT(refused(0, "1000mm").hint, HasSubstr("(parameter 140 set to 7)"));
+  EXPECT_EQ(refused(2, "1e6pps").hint, "");
+  EXPECT_EQ(refused(2, "1e6mm/s").hint, "");
+}
+
 TEST_F(AxisQuantity, ParametersAreToldInTheUnitOfTheAxisOrInTurns) {
   const auto told = [&](std::uint8_t parameter, std::int32_t value) {
     const auto quantity = from_parameter(value, x, *find_parameter(x.parameters(), parameter));

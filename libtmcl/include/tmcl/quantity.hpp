@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,6 +38,11 @@ std::string unit_of(Dimension dimension, const std::string& unit);
 /// The same for what a parameter holds. Empty for one that is neither a position nor a velocity nor
 /// an acceleration.
 std::string unit_of(const ParameterInfo& row, const std::string& unit);
+
+/// What to try where a wish is beyond what a register holds in microsteps: the finest resolution
+/// below `present` (as parameter 140 has it) with which it `fits`, asked with the share of the
+/// microsteps that there are then. Empty where none does.
+std::string hint_of_resolution(std::int32_t present, const std::function<bool(double share)>& fits);
 
 /// A finite decimal number, then perhaps blanks, then perhaps a unit. Whether an axis has that unit
 /// is not known here. Errors: bad_quantity, decimal_comma, not_finite, two_units.

@@ -93,9 +93,10 @@ double shortened(double nearest, double wished) {
 }  // namespace
 
 std::string describe(const OutOfReach& error) {
-  return plain_number(error.wished) + ' ' + error.unit + " is " + std::string(error.fault) +
+  const auto unit = error.unit.empty() ? "" : ' ' + error.unit;
+  return plain_number(error.wished) + unit + " is " + std::string(error.fault) +
          "; the nearest possible value is " + plain_number(shortened(error.nearest, error.wished)) +
-         ' ' + error.unit;
+         unit;
 }
 
 // ---- the module's own units ----

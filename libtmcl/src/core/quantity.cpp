@@ -249,10 +249,16 @@ Reached<std::int32_t> in_module(double number, Dimension dimension, const UserSc
       .map_error([&](const OutOfReach& error) { return in_acceleration_units(error, scale); });
 }
 
-Error out_of_range(const Quantity& quantity, OutOfReach error) {
+/// With the microsteps that would do, if there are.
+Error out_of_range(const Quantity& quantity, const AxisUnits& units, OutOfReach error) {
   error.wished = quantity.number;
   error.unit = quantity.unit;
-  return not_sent(Errc::out_of_range, describe(error));
+  auto told = not_sent(Errc::out_of_range, describe(error));
+  const auto excess = std::abs(error.wished / error.nearest);
+  if (units.scale && !is_in_microsteps(quantity) && excess > 1)
+    told.hint = hint_of_resolution(units.scale->steps.resolution,
+                                   [&](double share) { return excess * share <= 1; });
+  return told;
 }
 
 bool is_in_counts(const ParameterInfo& row, const AxisUnits& units) {
@@ -347,6 +353,17 @@ AxisUnits AxisUnits::undirected() const {
   return units;
 }
 
+std::string hint_of_resolution(std::int32_t present,
+                               const std::function<bool(double share)>& fits) {
+  for (auto resolution = present - 1; resolution >= 0; --resolution) {
+    if (!fits(std::exp2(resolution - present))) continue;
+    const auto number = std::to_string(axis_parameter::microstep_resolution);
+    return "With " + std::to_string(1 << resolution) + " microsteps a full step (parameter " +
+           number + " set to " + std::to_string(resolution) + ") it can be had";
+  }
+  return {};
+}
+
 Error bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit) {
   const auto number = to_string({quantity.number, {}});
   const auto in_microsteps = dimension == Dimension::position   ? "microsteps"
@@ -371,7 +388,7 @@ Result<Microsteps> to_microsteps(const Quantity& quantity, const AxisUnits& unit
   return scale_for(Dimension::position, quantity, units).and_then([&](const UserScale& scale) {
     return in_module(quantity.number, Dimension::position, scale, units, range)
         .map(as_microsteps)
-        .map_error([&](const OutOfReach& error) { return out_of_range(quantity, error); });
+        .map_error([&](const OutOfReach& error) { return out_of_range(quantity, units, error); });
   });
 }
 
@@ -412,7 +429,7 @@ Result<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& uni
     range = range_of(row, initial_units(*units.model), *units.module);
   }
   return in_module(quantity.number, dimension, *scale, units, range)
-      .map_error([&](const OutOfReach& error) { return out_of_range(quantity, error); });
+      .map_error([&](const OutOfReach& error) { return out_of_range(quantity, units, error); });
 }
 
 Result<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
@@ -437,9 +454,10 @@ Result<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
 Error out_of_reach(const Quantity& quantity, const AxisUnits& units, OutOfReach error) {
   const auto scale = scale_of(quantity, units);
   if (quantity.unit.empty() || !scale) return not_sent(Errc::out_of_range, describe(error));
-  return out_of_range(quantity, dimension_of(quantity) == Dimension::velocity
-                                    ? in_velocity_units(error, *scale)
-                                    : in_acceleration_units(error, *scale));
+  return out_of_range(quantity, units,
+                      dimension_of(quantity) == Dimension::velocity
+                          ? in_velocity_units(error, *scale)
+                          : in_acceleration_units(error, *scale));
 }
 
 }  // namespace tmcl

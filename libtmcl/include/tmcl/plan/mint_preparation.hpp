@@ -26,6 +26,7 @@ struct MintAxis {
   AxisUnits units;
   Microsteps position;
   double microsteps_per_count = 1;  ///< Of what SCALE counts; greater than 0.
+  bool counts_encoder = false;      ///< SCALE counts what an encoder does, and not microsteps.
 };
 
 struct MintPlan {

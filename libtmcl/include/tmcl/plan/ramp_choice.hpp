@@ -16,6 +16,18 @@
 
 namespace tmcl::plan {
 
+/// The unit in which a wish was said, for remarks about it.
+struct WishUnit {
+  double per_microstep = 1;  ///< How much of it is one microstep a second, or squared, or cubed.
+  std::string name;          ///< May be empty, where a file has no units.
+};
+struct WishUnits {
+  WishUnit velocity{1, "microsteps/s"};
+  WishUnit acceleration{1, "microsteps/s^2"};
+  WishUnit deceleration{1, "microsteps/s^2"};
+  WishUnit jerk{1, "microsteps/s^3"};
+};
+
 /// What a ramp should be like. Everything is greater than 0.
 struct RampRequest {
   PulsesPerSecond velocity;
@@ -26,6 +38,7 @@ struct RampRequest {
   std::optional<double> jerk = std::numeric_limits<double>::infinity();
   /// What the axis has now, for what is left as it is; 0 where the module has no bow.
   std::int32_t bow = 0;
+  WishUnits said_in{};
 };
 constexpr double highest_jerk = std::numeric_limits<double>::max();
 
@@ -54,6 +67,9 @@ struct RampChoice {
 /// Errors: a velocity or an acceleration that the module does not have, and the nearest it has.
 Reached<RampChoice> choose_ramp(const Model& model, const RampRequest& wish,
                                 const ModuleUnits& units);
+
+/// The error in the unit in which the wish was said.
+OutOfReach in_unit(OutOfReach error, const WishUnit& unit);
 
 /// A jerk that no bow of the model keeps, in microsteps/s^3, and the nearest one that a bow does:
 /// infinite where the model has none. Nothing for jerks that can be had, and for trapezoids.

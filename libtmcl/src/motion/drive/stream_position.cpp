@@ -73,12 +73,13 @@ DriveRunner::Fault PositionRunner::fault_of_axes() const {
       return fault(FaultKind::unsuited, axis,
                    "has no start and stop velocities; velocity mode takes any module");
     }
-    const double most = info.greatest_stop_velocity * info.units.velocity.value;
-    const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
+    const double most = info.greatest_stop_velocity * info.units.velocity.value /
+                        std::abs(info.microsteps_per_unit);
+    const double top = course_.top_speed(axis);
     if (course_.legs() > 1 && top > most) {
       return fault(FaultKind::unsuited, axis,
-                   fmt::format("would be as fast as {} microsteps/s, and its stop velocity is {} "
-                               "at most",
+                   fmt::format("would be as fast as {} units/s, and its stop velocity (parameter "
+                               "20) is {} units/s at most",
                                plain_number(top, 6), plain_number(most, 6)));
     }
   }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 
 namespace tmcl::plan {
@@ -42,20 +43,56 @@ PathResult<Microsteps> target_of(const mint::Move& move, const MintAxis& moved) 
       fmt::format("line {} moves {} too far: {}", move.line, axis.axis, describe(*too_far))));
 }
 
+/// In user units and seconds, which have no names in a program.
+RampRequest wish_of(const Profile& profile, double microsteps_per_unit) {
+  const auto in_microsteps = [&](double value) { return value * microsteps_per_unit; };
+  RampRequest wish{{in_microsteps(profile.speed)},
+                   {in_microsteps(profile.acceleration)},
+                   {in_microsteps(profile.deceleration)}};
+  const WishUnit user{1 / microsteps_per_unit, ""};
+  wish.said_in = {user, user, user, user};
+  return wish;
+}
+
+/// The value that is out of reach, as the program has it.
+struct Culprit {
+  std::string_view keyword;
+  double value;
+};
+Culprit culprit_of(const OutOfReach& error, const RampRequest& wish, const Profile& profile) {
+  if (error.is_velocity()) return {"SPEED", profile.speed};
+  const auto off = [&](PulsesPerSecond2 wished) { return std::abs(error.wished - wished.value); };
+  if (off(wish.deceleration) < off(wish.acceleration)) return {"DECEL", profile.deceleration};
+  return {"ACCEL", profile.acceleration};
+}
+
+/// What the registers can hold is a number of microsteps.
+std::string hint_of_microsteps(const mint::Move& move, const MintAxis& moved) {
+  const auto& axis = moved.units;
+  if (!axis.scale) return {};
+  const double scale = move.scale * moved.microsteps_per_count;
+  double found = 1;
+  auto hint = hint_of_resolution(axis.scale->steps.resolution, [&](double share) {
+    found = share;
+    return choose_ramp(*axis.model, wish_of(*move.profile, scale * share), *axis.module)
+        .has_value();
+  });
+  if (!hint.empty() && !moved.counts_encoder)
+    hint += "; SCALE is " + plain_number(move.scale * found) + " then";
+  return hint;
+}
+
 PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
   const auto& axis = moved.units;
-  const auto& profile = *move.profile;
-  const double scale = move.scale * moved.microsteps_per_count;
-  const RampRequest wish{
-      {profile.speed * scale}, {profile.acceleration * scale}, {profile.deceleration * scale}};
+  const auto wish = wish_of(*move.profile, move.scale * moved.microsteps_per_count);
   return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const OutOfReach& error) {
+    const auto culprit = culprit_of(error, wish, *move.profile);
+    auto told = in_unit(error, wish.said_in.velocity);
+    told.wished = culprit.value;
     auto objection =
         mint_objection("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
-                                                   error.is_velocity() ? "SPEED" : "ACCEL",
-                                                   axis.axis, describe(error)));
-    // What the registers can hold is a number of microsteps.
-    if (error.wished > error.nearest)
-      objection.hint = "with fewer microsteps (parameter 140) the motor can be faster";
+                                                   culprit.keyword, axis.axis, describe(told)));
+    if (error.wished > error.nearest) objection.hint = hint_of_microsteps(move, moved);
     return objection;
   });
 }

@@ -16,28 +16,32 @@ namespace ap = axis_parameter;
 constexpr auto minimum_velocity = number_of("minimum_velocity");
 constexpr double noticeable = 0.01;  // of a wish
 
-std::string in_words(double value, const char* unit) { return plain_number(value, 6) + ' ' + unit; }
+std::string in_words(double value, const WishUnit& unit) {
+  const auto number = plain_number(value * unit.per_microstep, 6);
+  return unit.name.empty() ? number : number + ' ' + unit.name;
+}
 
 void remark_if_off(RampChoice& choice, const char* what, double wished, double got,
-                   const char* unit) {
+                   const WishUnit& unit) {
   if (std::abs(got - wished) <= noticeable * wished) return;
   choice.remarks.push_back("the " + std::string(what) + " is " + in_words(got, unit) + ", not " +
                            in_words(wished, unit));
 }
 
 void remark(RampChoice& choice, const RampRequest& wish) {
-  remark_if_off(choice, "velocity", wish.velocity.value, choice.velocity.value, "microsteps/s");
+  const auto& units = wish.said_in;
+  remark_if_off(choice, "velocity", wish.velocity.value, choice.velocity.value, units.velocity);
   remark_if_off(choice, "acceleration", wish.acceleration.value, choice.acceleration.value,
-                "microsteps/s^2");
+                units.acceleration);
   remark_if_off(choice, "deceleration", wish.deceleration.value, choice.deceleration.value,
-                "microsteps/s^2");
+                units.deceleration);
   if (!wish.jerk || std::isinf(*wish.jerk)) return;
   if (std::isinf(choice.jerk)) {
     choice.remarks.push_back(
         "the acceleration begins and ends at once: the module makes no S-shaped "
         "ramps");
   } else if (*wish.jerk != highest_jerk) {
-    remark_if_off(choice, "jerk", *wish.jerk, choice.jerk, "microsteps/s^3");
+    remark_if_off(choice, "jerk", *wish.jerk, choice.jerk, units.jerk);
   }
 }
 
@@ -191,6 +195,11 @@ InternalVelocity speed_within_a_microstep(Tmc429Dividers dividers,
   const auto p = std::ldexp(128.0 + static_cast<double>(chip.read(R::pmul)),
                             -static_cast<int>(3 + chip.read(R::pdiv)));
   return {std::max(1, static_cast<std::int32_t>(std::sqrt(2048 * p)))};
+}
+
+OutOfReach in_unit(OutOfReach error, const WishUnit& unit) {
+  return {error.wished * unit.per_microstep, error.nearest * unit.per_microstep, unit.name,
+          error.fault};
 }
 
 std::optional<OutOfReach> jerk_out_of_reach(const Model& model, double jerk) {
