@@ -347,7 +347,10 @@ TEST_F(CtlRamp, TellsAllOfItInJson) {
   EXPECT_EQ(json(ramp()).at("written"), true);
 }
 
-class CtlConvert : public CtlUnits {};
+class CtlConvert : public CtlUnits {
+ protected:
+  using Words = std::vector<std::string>;
+};
 
 TEST_F(CtlConvert, ShowsAVelocityInEveryUnit) {
   const auto document = json({"convert", "--model", "TMCM-1110", "61035pps"});
@@ -364,6 +367,24 @@ TEST_F(CtlConvert, ShowsAVelocityInEveryUnit) {
   EXPECT_THAT(target.calls, IsEmpty()) << "no module is needed";
 }
 
+// The note's v[FS] and a[FS]: by the microsteps of a full step.
+TEST_F(CtlConvert, ShowsFullStepsASecondAsMicrostepsDivided) {
+  for (const int microsteps : {1, 16, 256}) {
+    const auto of = [&](const char* quantity) {
+      return json({"convert", "--model", "TMCM-6212", "--microsteps", std::to_string(microsteps),
+                   quantity});
+    };
+    const auto full = [](const boost::json::object& document, const char* what, const char* key) {
+      return document.at(what).at(key).to_number<double>();
+    };
+    EXPECT_NEAR(full(of("51200pps"), "velocity", "full_steps_per_second"), 51'200.0 / microsteps,
+                1e-9);
+    EXPECT_NEAR(full(of("51200pps/s"), "acceleration", "full_steps_per_second2"),
+                51'200.0 / microsteps, 1e-9);
+    EXPECT_NEAR(full(of("51200microsteps"), "position", "full_steps"), 51'200.0 / microsteps, 1e-9);
+  }
+}
+
 TEST_F(CtlConvert, ABareNumberIsShownAsEverythingThatItMayMean) {
   const auto document = json({"convert", "--model", "TMCM-3110", "--pulse-div", "2", "--ramp-div",
                               "3", "--microsteps", "64", "500"});
@@ -374,6 +395,28 @@ TEST_F(CtlConvert, ABareNumberIsShownAsEverythingThatItMayMean) {
   EXPECT_TRUE(json({"convert", "--model", "TMCM-142", "16777213"}).contains("acceleration"));
   EXPECT_FALSE(json({"convert", "--model", "TMCM-142", "16777214"}).contains("acceleration"));
   EXPECT_FALSE(json({"convert", "--model", "TMCM-142", "2147418113"}).contains("velocity"));
+  EXPECT_FALSE(json({"convert", "--model", "TMCM-142", "--", "-5"}).contains("acceleration"));
+}
+
+TEST_F(CtlConvert, WhatNoRegisterHoldsIsRefusedWithTheGreatest) {
+  EXPECT_EQ(run({"convert", "--model", "TMCM-142", "16777214"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("no acceleration: max_acceleration (5) holds 0 to 16777213\n"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-142", "2147483648"}),
+              HasSubstr("no register of a TMCM-142 holds 2147483648: it is no position: "
+                        "target_position (0) holds -2147483648 to 2147483647, no velocity: "
+                        "target_velocity (2) holds -2147418112 to 2147418112"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-1110", "1e300"}), HasSubstr("to 8388607"));
+  // In the unit of the moment.
+  const Words in_pps{"convert", "--model", "TMCM-142", "--unit-mode", "1"};
+  const auto bare = [&](const char* number) {
+    auto words = in_pps;
+    words.emplace_back(number);
+    return json(words);
+  };
+  EXPECT_TRUE(bare("31999023").contains("velocity"));
+  EXPECT_FALSE(bare("31999024").contains("velocity"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--microsteps", "256", "100rps"}),
+              HasSubstr("nearest possible value"));
 }
 
 TEST_F(CtlConvert, KnowsUnitModesAndTurns) {
@@ -409,8 +452,42 @@ TEST_F(CtlConvert, SaysWhatABowIs) {
         refusal({"convert", "--model", "TMCM-142", jerk}),
         HasSubstr("below the jerk of the smallest bow; the nearest possible value is 909494"));
   }
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-142", "0.01rps/s2"}),
+              HasSubstr("0.01 rps/s2 is below the jerk of the smallest bow; the nearest possible "
+                        "value is 17.7"));
   EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--bow", "11"}),
               HasSubstr("--bow means nothing to a TMCM-6212"));
+}
+
+TEST_F(CtlConvert, ABowOfNothingIsATrapezoid) {
+  const auto document = json({"convert", "--model", "TMCM-142", "--bow", "0"});
+  EXPECT_EQ(document.at("jerk").at("bow_value"), 0);
+  EXPECT_EQ(document.at("jerk").at("full_acceleration_s"), 0);
+  EXPECT_FALSE(document.at("jerk").as_object().contains("pps3"));
+  EXPECT_EQ(run({"convert", "--model", "TMCM-142", "--bow", "0"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("no bow, so ramps are trapezoids"));
+  const Words ramp{"convert", "--model", "TMCM-142", "40000pps", "--acceleration", "400000pps/s"};
+  auto with_none = ramp;
+  with_none.insert(with_none.end(), {"--bow", "0"});
+  EXPECT_EQ(json(with_none), json(ramp));
+}
+
+// "The resulting bow_value must not exceed A_MAX or D_MAX setting."
+TEST_F(CtlConvert, ABowAboveTheAccelerationIsAWarning) {
+  const auto warned = [this](const Words& more) {
+    Words words{"convert", "--model", "TMCM-142", "40000pps"};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run(words), ExitCode::done) << err;
+    return err;
+  };
+  EXPECT_THAT(
+      warned({"--bow", "18", "--acceleration", "400000pps/s"}),
+      HasSubstr("max_bow 18 is 131072 and so exceeds acceleration 6872: the motor oscillates"));
+  EXPECT_THAT(warned({"--bow", "13", "--acceleration", "400000pps/s"}),
+              HasSubstr("no less than half of acceleration 6872: the motor may oscillate"));
+  EXPECT_EQ(warned({"--bow", "12", "--acceleration", "400000pps/s"}), "");
+  EXPECT_THAT(warned({"--unit-mode", "1", "--bow", "18", "--acceleration", "400000"}),
+              HasSubstr("exceeds acceleration 400000 pps/s"));
 }
 
 TEST_F(CtlConvert, RefusesWhatMakesNoSense) {

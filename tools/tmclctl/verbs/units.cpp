@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <boost/json/array.hpp>
 
 #include "axis/axis_names.hpp"
@@ -11,6 +12,7 @@
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
+#include "tmcl/plan/axis_twin.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
@@ -69,13 +71,20 @@ class Converter {
     if (!jerk) return tl::unexpected(jerk.error());
     auto forms = forms_of(*jerk);
     if (units_.model->family != tmcl::Family::tmc457) return forms;
-    if (const auto fault = tmcl::plan::jerk_out_of_reach(*units_.model, jerk->value))
-      return tl::unexpected(usage_error("out_of_range", describe(*fault)));
+    if (const auto fault = tmcl::plan::jerk_out_of_reach(*units_.model, jerk->value)) {
+      auto told = tmcl::plan::in_unit(*fault, {quantity_.number / jerk->value, quantity_.unit});
+      told.wished = quantity_.number;
+      return tl::unexpected(usage_error("out_of_range", describe(told)));
+    }
     forms.push_back(
         {"bow", "as bow: the greatest that is no higher", static_cast<double>(bow_within(*jerk))});
     return forms;
   }
   std::vector<Rendering> bow(std::int32_t bow) const {
+    if (bow == 0) {
+      return {{"bow_value", "in the chip's unit: no bow, so ramps are trapezoids", 0},
+              {"full_acceleration_s", "s to any acceleration", 0}};
+    }
     const auto jerk = tmcl::to_pps3(bow);
     const auto* row = find_parameter(units_.parameters(), tmcl::number_of("acceleration"));
     const auto full = to_pps2(tmcl::InternalAcceleration{row->initial}, *units_.module);
@@ -97,7 +106,8 @@ class Converter {
     if (pps2.value <= 0)
       return tl::unexpected(usage_error("out_of_range", "the acceleration must be above 0"));
     constexpr tmcl::PulsesPerSecond3 at_once{std::numeric_limits<double>::infinity()};
-    const auto length = ramp_length(pps, pps2, bow ? tmcl::to_pps3(*bow) : at_once);
+    const bool is_curved = bow.value_or(0) > 0;
+    const auto length = ramp_length(pps, pps2, is_curved ? tmcl::to_pps3(*bow) : at_once);
     const auto revolutions = to_user(tmcl::PulsesPerSecond{length.microsteps}, turns()).value;
     return std::vector<Rendering>{{"duration_s", "s", length.seconds},
                                   {"microsteps", "microsteps", length.microsteps},
@@ -134,6 +144,11 @@ class Converter {
     });
   }
 
+  /// What it may be that the quantity is, as the parameter that holds it.
+  Result<std::int32_t> parameter(std::uint8_t number) const {
+    return attempt(to_parameter(quantity_, units_, *find_parameter(units_.parameters(), number)));
+  }
+
  private:
   /// What a second adds to an acceleration.
   std::vector<Rendering> forms_of(tmcl::PulsesPerSecond3 jerk) const {
@@ -147,9 +162,6 @@ class Converter {
     auto scale = turns();
     scale.units_per_revolution = scale.steps.full_steps;
     return scale;
-  }
-  Result<std::int32_t> parameter(std::uint8_t number) const {
-    return attempt(to_parameter(quantity_, units_, *find_parameter(units_.parameters(), number)));
   }
 
   Quantity quantity_;
@@ -180,29 +192,81 @@ std::vector<Shown> ramp_of(const verb::Convert& verb, const Quantity& velocity,
           {"ramp", "from rest to this velocity, or back", reached.ramp(*acceleration, verb.bow)}};
 }
 
-std::vector<Shown> what_to_show(const verb::Convert& verb, const Quantity& quantity,
-                                const AxisUnits& units) {
+/// Why a number without a unit is none of this: nothing where its register holds it.
+std::optional<std::string> out_of_register(const Quantity& quantity, const AxisUnits& units,
+                                           std::uint8_t parameter) {
+  const auto* row = find_parameter(units.parameters(), parameter);
+  if (row == nullptr) return std::nullopt;
+  const auto range = range_of(*row, tmcl::initial_units(*units.model), *units.module);
+  if (quantity.number >= range.least && quantity.number <= range.greatest) return std::nullopt;
+  return fmt::format("{} ({}) holds {} to {}", row->name, row->number, range.least, range.greatest);
+}
+
+Shown shown_as(const Converter& converter, std::uint8_t parameter) {
+  if (parameter == ap::target_position) return {"position", "a position", converter.position()};
+  if (parameter == ap::target_velocity) return {"velocity", "a velocity", converter.velocity()};
+  return {"acceleration", "an acceleration", converter.acceleration()};
+}
+
+/// All that a number without a unit can be. `others`: what it cannot.
+Result<std::vector<Shown>> every_meaning(const Quantity& quantity, const AxisUnits& units,
+                                         std::vector<std::string>& others) {
+  const Converter converter(quantity, units);
+  std::vector<Shown> all;
+  for (const auto parameter : {ap::target_position, ap::target_velocity, ap::max_acceleration}) {
+    const auto why_not = out_of_register(quantity, units, parameter);
+    auto shown = shown_as(converter, parameter);
+    if (why_not) {
+      others.push_back(fmt::format("no {}: {}", shown.key, *why_not));
+    } else {
+      all.push_back(std::move(shown));
+    }
+  }
+  if (!all.empty()) return all;
+  return tl::unexpected(usage_error(
+      "out_of_range", fmt::format("no register {} holds {}: it is {}", units.axis,
+                                  tmcl::plain_number(quantity.number), fmt::join(others, ", "))));
+}
+
+Result<std::vector<Shown>> what_to_show(const verb::Convert& verb, const Quantity& quantity,
+                                        const AxisUnits& units, std::vector<std::string>& others) {
   if (!verb.acceleration.empty()) return ramp_of(verb, quantity, units);
   const Converter converter(quantity, units);
-  if (verb.bow) return {{"jerk", "a bow", converter.bow(*verb.bow)}};
-  if (is_jerk(quantity)) return {{"jerk", "a jerk", converter.jerk()}};
-  std::vector<Shown> all;
-  const auto dimension = dimension_of(quantity);
-  // A number without a unit is all that it can be; beyond the range of a register it cannot.
-  const auto fits = [&](std::uint8_t parameter) {
-    const auto* row = find_parameter(units.parameters(), parameter);
-    return row == nullptr || std::abs(quantity.number) <= row->maximum;
-  };
-  const auto is_shown = [&](tmcl::Dimension one, std::uint8_t parameter) {
-    return dimension == one || (dimension == tmcl::Dimension::other && fits(parameter));
-  };
-  if (is_shown(tmcl::Dimension::position, ap::target_position))
-    all.push_back({"position", "a position", converter.position()});
-  if (is_shown(tmcl::Dimension::velocity, ap::target_velocity))
-    all.push_back({"velocity", "a velocity", converter.velocity()});
-  if (is_shown(tmcl::Dimension::acceleration, ap::max_acceleration))
-    all.push_back({"acceleration", "an acceleration", converter.acceleration()});
-  return all;
+  if (verb.bow) return std::vector<Shown>{{"jerk", "a bow", converter.bow(*verb.bow)}};
+  if (is_jerk(quantity)) return std::vector<Shown>{{"jerk", "a jerk", converter.jerk()}};
+  switch (dimension_of(quantity)) {
+    case tmcl::Dimension::other: return every_meaning(quantity, units, others);
+    case tmcl::Dimension::position: return std::vector{shown_as(converter, ap::target_position)};
+    case tmcl::Dimension::velocity: return std::vector{shown_as(converter, ap::target_velocity)};
+    case tmcl::Dimension::acceleration: break;
+  }
+  return std::vector{shown_as(converter, ap::max_acceleration)};
+}
+
+/// What the twin of such a module says of the ramp.
+std::vector<std::string> warnings_of_ramp(const verb::Convert& verb, const Quantity& velocity,
+                                          const AxisUnits& units) {
+  const auto acceleration = attempt(tmcl::parse_quantity(verb.acceleration));
+  auto twin = tmcl::plan::AxisTwin::of(*units.model);
+  if (verb.acceleration.empty() || !acceleration || !twin) return {};
+  std::vector<tmcl::plan::Setting> settings;
+  if (verb.unit_mode) settings.push_back({ap::unit_mode, *verb.unit_mode});
+  if (verb.pulse_div) settings.push_back({tmcl::number_of("pulse_divisor"), *verb.pulse_div});
+  if (verb.ramp_div) settings.push_back({tmcl::number_of("ramp_divisor"), *verb.ramp_div});
+  const auto v = Converter(velocity, units).parameter(ap::max_velocity);
+  const auto a = Converter(*acceleration, units).parameter(ap::max_acceleration);
+  if (!a) return {};
+  if (v) settings.push_back({ap::max_velocity, *v});
+  if (units.model->family == tmcl::Family::tmc457) {
+    settings.push_back({tmcl::number_of("acceleration"), *a});
+    settings.push_back({tmcl::number_of("max_deceleration"), *a});
+  } else {
+    settings.push_back({ap::max_acceleration, *a});
+  }
+  if (verb.bow) settings.push_back({tmcl::number_of("max_bow"), *verb.bow});
+  if (!twin->set(settings)) return {};
+  twin->move_to({});
+  return twin->warnings(settings);
 }
 
 Result<ExitCode> run(const verb::Convert& verb, Output& output) {
@@ -223,7 +287,10 @@ Result<ExitCode> run(const verb::Convert& verb, Output& output) {
   units.scale->steps = {verb.full_steps, static_cast<std::int32_t>(std::log2(verb.microsteps))};
 
   json::object document{{"model", (*model)->name}};
-  for (const auto& [key, title, forms] : what_to_show(verb, *quantity, units)) {
+  std::vector<std::string> others;
+  const auto all = what_to_show(verb, *quantity, units, others);
+  if (!all) return tl::unexpected(all.error());
+  for (const auto& [key, title, forms] : *all) {
     if (!forms) return tl::unexpected(forms.error());
     if (output.json) {
       document[key] = to_object(*forms);
@@ -232,6 +299,9 @@ Result<ExitCode> run(const verb::Convert& verb, Output& output) {
     }
   }
   if (output.json) print_json(document, output);
+  for (const auto& other : others)
+    if (!output.json) output.out << other << '\n';
+  warn(warnings_of_ramp(verb, *quantity, units), output);
   return ExitCode::done;
 }
 
@@ -246,9 +316,10 @@ Reading read_microsteps(const std::string& text, std::int32_t& into) {
 
 constexpr const char* convert_help = R"(
 Rounds to what such a module can hold, and shows that in all units. A bare number counts in the
-module's own unit, and is shown as a position, a velocity and an acceleration. Dividers and unit
-mode are those that the model starts with, if they are not given. With --acceleration QUANTITY is a
-velocity, and the time and the length of the ramp from rest to it are shown: S-shaped with --bow.
+module's own unit, and is shown as a position, a velocity and an acceleration: all that a register
+holds it as. Dividers and unit mode are those that the model starts with, if they are not given. With
+--acceleration QUANTITY is a velocity, and the time and the length of the ramp from rest to it are
+shown: S-shaped with --bow. A bow that is too great for the acceleration is a warning; 0 is none.
 
   tmclctl convert --model TMCM-1110 61035pps
   tmclctl convert --model TMCM-1110 --pulse-div 5 --ramp-div 7 500
@@ -279,7 +350,7 @@ void add_convert(Grammar& grammar) {
       "--microsteps", "N", "Microsteps of a full step (default 256)",
       [&microsteps](const std::string& text) { return read_microsteps(text, microsteps); });
   convert.option("--bow", "N", "A bow of a TMC457 (parameter 18) instead of a quantity",
-                 number(convert->bow, 1, tmcl::greatest_bow));
+                 number(convert->bow, 0, tmcl::greatest_bow));
   convert.option("--acceleration", "ACCELERATION",
                  "Time and length of the ramp to QUANTITY, a velocity; S-shaped with --bow",
                  text(convert->acceleration));
