@@ -54,11 +54,41 @@ TEST_F(CtlPath, LegsAreToldAsRampGeneratorsTakeThem) {
   EXPECT_NEAR(x.at("amax").to_number<double>(), 500, 1e-9);
   EXPECT_EQ(x.at("microsteps").at("vmax"), 2000);
   EXPECT_EQ(x.at("microsteps").at("dmax"), 50'000);
+  // f / 2^24 and f^2 / 2^41.
+  EXPECT_EQ(x.at("registers").at("target"), 1000);
+  EXPECT_EQ(x.at("registers").at("vmax"), 2097);
+  EXPECT_EQ(x.at("registers").at("amax"), 429);
+  EXPECT_EQ(x.at("registers").at("vstart"), 0);
+  EXPECT_EQ(document.at("leg_table").at(1).at("axes").at(1).at("registers").at("vstop"), 10);
+  const auto slower = json({"path", "check", corner, "--velocity", "20", "--acceleration", "500",
+                            "--legs", "--microsteps-per-unit", "100", "--clock", "12000000"});
+  const auto& other = slower.at("leg_table").at(0).at("axes").at(0).at("registers");
+  EXPECT_EQ(other.at("vmax"), 2796);
+  EXPECT_EQ(other.at("amax"), 764);
   EXPECT_EQ(run({"path", "check", corner, "--legs"}), ExitCode::done) << err;
   EXPECT_THAT(out, HasSubstr("TO (UNITS)"));
   EXPECT_THAT(out, Not(HasSubstr("MICROSTEPS")));
   EXPECT_EQ(run({"path", "check", file("t,x\n0,0\n1,5\n"), "--legs"}), ExitCode::done) << err;
   EXPECT_THAT(out, HasSubstr("has no legs"));
+}
+
+TEST_F(CtlPath, RampsAreToldInWholeNumbersOfRegisters) {
+  const auto line = file("G1 X20 Y5 F1200\n");
+  EXPECT_EQ(run({"path", "check", line, "--velocity", "20", "--acceleration", "500", "--legs",
+                 "--microsteps-per-unit", "10240"}),
+            ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("XTARGET"));
+  EXPECT_THAT(out, HasSubstr(", 1 leg\n"));
+  EXPECT_THAT(out, HasSubstr("204800")) << "the target of X";
+  EXPECT_THAT(out, HasSubstr("5120000")) << "its acceleration in microsteps";
+  EXPECT_THAT(out, HasSubstr("43980")) << "and in the register";
+  EXPECT_THAT(out, Not(testing::ContainsRegex("[0-9]e[+][0-9]")));
+  EXPECT_EQ(err, "");
+  EXPECT_EQ(run({"path", "check", line, "--velocity", "20", "--acceleration", "5000", "--legs",
+                 "--microsteps-per-unit", "10240"}),
+            ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("line 1: amax of X would be 439805, and its register holds 65535 at "
+                             "most; with fewer microsteps it fits: --microsteps-per-unit 1280"));
 }
 
 TEST_F(CtlPath, ATableIsKnownByItsFirstLine) {

@@ -187,6 +187,7 @@ struct CheckPath {
   std::string svg;  ///< Empty: none.
   bool legs = false;
   std::optional<double> microsteps_per_unit;
+  double clock_hz = 16e6;
 };
 /// And run on axes.
 struct RunPath {

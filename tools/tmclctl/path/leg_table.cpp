@@ -1,13 +1,17 @@
 #include "path/leg_table.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
 #include "connection/json_read.hpp"
 #include "output/print.hpp"
 #include "tmcl/plain_number.hpp"
+#include "tmcl/ramp/sixpoint.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -29,14 +33,43 @@ json::object microsteps_json(const AxisRamp& ramp, double scale) {
   return ramps;
 }
 
-void print_ramps(const json::array& legs, const char* title, bool in_microsteps, Output& output) {
+/// f / 2^24 and f^2 / 2^41, data sheets. VSTOP is 10 at least, they say.
+json::object registers_json(const AxisRamp& ramp, const ChipScale& chip) {
+  constexpr std::int64_t least_vstop = 10;
+  constexpr int velocity_bits = 24;
+  constexpr int acceleration_bits = 41;
+  const auto whole = [&](double value, int bits, double per_second) {
+    return std::llround(std::ldexp(std::abs(value) * chip.microsteps_per_unit, bits) / per_second);
+  };
+  const auto velocity = [&](double value) { return whole(value, velocity_bits, chip.clock_hz); };
+  const auto acceleration = [&](double value) {
+    const auto nearest = whole(value, acceleration_bits, chip.clock_hz * chip.clock_hz);
+    return value == 0 ? nearest : std::max<std::int64_t>(nearest, 1);
+  };
+  return {{"target", std::llround(ramp.target * chip.microsteps_per_unit)},
+          {"vstart", velocity(ramp.vstart)},
+          {"vmax", velocity(ramp.vmax)},
+          {"vstop", std::max<std::int64_t>(velocity(ramp.vstop), least_vstop)},
+          {"amax", acceleration(ramp.amax)},
+          {"dmax", acceleration(ramp.dmax)}};
+}
+
+/// The greatest value of the register that holds this; of the target there is no need to ask.
+std::int64_t greatest_of(std::string_view key) {
+  const auto registers = tmcl::ramp::SixPoint::registers();
+  const auto index = tmcl::ramp::find_register(registers, key);
+  return index ? registers[*index].maximum : std::numeric_limits<std::int32_t>::max();
+}
+
+/// `part`: of an axis' row; empty: the row itself, in the units of the file.
+void print_ramps(const json::array& legs, const char* title, std::string_view part,
+                 Output& output) {
   Table table(
       {"LINE", "T1", "T2", "T3", "T4", "AXIS", title, "VSTART", "VMAX", "VSTOP", "AMAX", "DMAX"});
   for (const auto& leg : legs) {
     const auto& row = leg.as_object();
     for (const auto& axis : array_at(row, "axes")) {
-      const auto& ramp =
-          in_microsteps ? object_at(axis.as_object(), "microsteps") : axis.as_object();
+      const auto& ramp = part.empty() ? axis.as_object() : object_at(axis.as_object(), part);
       std::vector<std::string> cells{fmt::format("{}", integer_at<std::size_t>(row, "line"))};
       for (const auto* time : {"t1_s", "t2_s", "t3_s", "t4_s"})
         cells.push_back(fmt::format("{:.4f} s", number_at(row, time).value_or(0)));
@@ -52,7 +85,7 @@ void print_ramps(const json::array& legs, const char* title, bool in_microsteps,
 }  // namespace
 
 json::array leg_table(const tmcl::plan::Course& course, const std::vector<std::string>& axes,
-                      std::optional<double> microsteps_per_unit) {
+                      const std::optional<ChipScale>& scale) {
   json::array legs;
   for (std::size_t i = 0; i < course.legs(); ++i) {
     const auto leg = course.leg(i);
@@ -60,8 +93,10 @@ json::array leg_table(const tmcl::plan::Course& course, const std::vector<std::s
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
       auto ramp = ramp_json(leg.axis[axis], 1);
       ramp["axis"] = axes[axis];
-      if (microsteps_per_unit)
-        ramp["microsteps"] = microsteps_json(leg.axis[axis], *microsteps_per_unit);
+      if (scale) {
+        ramp["microsteps"] = microsteps_json(leg.axis[axis], scale->microsteps_per_unit);
+        ramp["registers"] = registers_json(leg.axis[axis], *scale);
+      }
       ramps.push_back(std::move(ramp));
     }
     legs.push_back(json::object{{"line", leg.line},
@@ -80,11 +115,36 @@ void print_legs(const json::array& legs, Output& output) {
     output.out << "A table with times has no legs: its rows are passed when they say.\n";
     return;
   }
-  print_ramps(legs, "TO (UNITS)", false, output);
+  print_ramps(legs, "TO (UNITS)", {}, output);
   const auto& first = array_at(legs.front().as_object(), "axes").front().as_object();
   if (!first.contains("microsteps")) return;
   output.out << '\n';
-  print_ramps(legs, "TO (MICROSTEPS)", true, output);
+  print_ramps(legs, "TO (MICROSTEPS)", "microsteps", output);
+  output.out << "\nAs the registers of a TMC5130, TMC5160 or TMC5072 hold them:\n";
+  print_ramps(legs, "XTARGET", "registers", output);
+}
+
+std::vector<std::string> beyond_registers(const json::array& legs, const ChipScale& scale) {
+  std::vector<std::string> warnings;
+  std::set<std::string> told;
+  for (const auto& leg : legs) {
+    for (const auto& axis : array_at(leg.as_object(), "axes")) {
+      const auto name = text_at(axis.as_object(), "axis");
+      const auto& registers = object_at(axis.as_object(), "registers");
+      for (const auto* key : ramp_keys) {
+        const auto value = number_at(registers, key).value_or(0);
+        const auto greatest = static_cast<double>(greatest_of(key));
+        if (std::abs(value) <= greatest || !told.insert(name).second) continue;
+        const auto share = std::exp2(std::ceil(std::log2(std::abs(value) / greatest)));
+        warnings.push_back(fmt::format(
+            "line {}: {} of {} would be {}, and its register holds {} at most; with fewer "
+            "microsteps it fits: --microsteps-per-unit {} at most",
+            integer_at<std::size_t>(leg.as_object(), "line"), key, name, tmcl::plain_number(value),
+            tmcl::plain_number(greatest), tmcl::plain_number(scale.microsteps_per_unit / share)));
+      }
+    }
+  }
+  return warnings;
 }
 
 }  // namespace tmclctl::path

@@ -13,11 +13,19 @@
 
 namespace tmclctl::path {
 
+/// What the registers of a chip count in.
+struct ChipScale {
+  double microsteps_per_unit = 1;
+  double clock_hz = 16e6;
+};
+
 /// A row for each leg: t1 where it begins, t2 where it has its speed, t3 where it slows down, t4
-/// where it ends, and for each axis its target and ramp; with `microsteps_per_unit` in microsteps,
-/// too.
+/// where it ends, and for each axis its target and ramp; with a scale in microsteps, too, and as
+/// the registers of a TMC5130, TMC5160 or TMC5072 hold them.
 boost::json::array leg_table(const tmcl::plan::Course& course, const std::vector<std::string>& axes,
-                             std::optional<double> microsteps_per_unit);
+                             const std::optional<ChipScale>& scale);
 void print_legs(const boost::json::array& legs, Output& output);
+/// Of ramps that are beyond the registers: the first of each axis, and what would do.
+std::vector<std::string> beyond_registers(const boost::json::array& legs, const ChipScale& scale);
 
 }  // namespace tmclctl::path

@@ -7,6 +7,7 @@
 #include "path/leg_table.hpp"
 #include "path/path_source.hpp"
 #include "path_words.hpp"
+#include "profile/setup.hpp"
 
 namespace tmclctl {
 namespace {
@@ -40,7 +41,10 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
       return tl::unexpected(drawn.error());
   }
   boost::json::array legs;
-  if (verb.legs) legs = path::leg_table(*planned, source->path.axes, verb.microsteps_per_unit);
+  std::optional<path::ChipScale> chip;
+  if (verb.microsteps_per_unit) chip = path::ChipScale{*verb.microsteps_per_unit, verb.clock_hz};
+  if (verb.legs) legs = path::leg_table(*planned, source->path.axes, chip);
+  if (chip) warn(path::beyond_registers(legs, *chip), output);
   if (output.json) {
     auto document = tmcl::api::to_json(course);
     if (verb.legs) document["leg_table"] = std::move(legs);
@@ -67,6 +71,9 @@ along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems.
 
 --legs says for each leg when it begins (T1), has its speed (T2), slows down (T3) and ends (T4), and the
 ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
+With --microsteps-per-unit the ramps come in microsteps as well, and as the registers of a TMC5130,
+TMC5160 or TMC5072 hold them at --clock: f/2^24 and f^2/2^41, VSTOP 10 at least. What is beyond a
+register is a warning with the number that would do.
 
   tmclctl path check part.ngc --velocity 20 --acceleration 500
   tmclctl path check part.csv --svg part.svg
@@ -94,8 +101,11 @@ Form add_path(Grammar& grammar) {
                number(check->corner_jump, least_of_path, most_of_path));
   check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
              check->legs);
-  check.option("--microsteps-per-unit", "NUMBER", "With --legs: the ramps in microsteps, too",
+  check.option("--microsteps-per-unit", "NUMBER",
+               "With --legs: the ramps in microsteps and as registers, too",
                number(check->microsteps_per_unit, least_of_path, most_of_path));
+  check.option("--clock", "HZ", "Of the chip with those registers (default 16 MHz)",
+               number(check->clock_hz, profile::least_clock_hz, profile::greatest_clock_hz));
   return group;
 }
 
