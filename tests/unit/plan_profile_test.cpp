@@ -241,6 +241,20 @@ TEST(PlanProfile, DistancesOfThePartsAreThoseOfTheNote) {
   EXPECT_EQ(solved->deceleration_distance, 2);
 }
 
+// The triangle of one ramp, turned over, fills up the other: distance = Sp (Ta + Ts), and by the
+// area of a trapezoid Sp (Ts + T) / 2.
+TEST(PlanProfile, EqualRampsMakeARectangle) {
+  for (const double ramp : {0.05, 0.2, 0.3}) {
+    const auto solved = solve(given(
+        {{distance, 12}, {total_time, 0.6}, {acceleration_time, ramp}, {deceleration_time, ramp}}));
+    ASSERT_TRUE(solved) << describe(solved.error());
+    const double slew = solved->slew_time;
+    EXPECT_NEAR(solved->speed * (ramp + slew), 12, 1e-9);
+    EXPECT_NEAR(solved->speed * (slew + 0.6) / 2, 12, 1e-9);
+    EXPECT_NEAR(solved->acceleration, solved->speed / ramp, 1e-9);
+  }
+}
+
 TEST(PlanProfile, ASpeedThatIsNoGreaterThanAtAnEndIsImpossible) {
   const auto solved = solve(given(
       {{initial_speed, 9}, {speed, 8}, {acceleration, 16}, {deceleration, 16}, {distance, 12}}));
