@@ -1,158 +1,91 @@
 // The ramp of an axis: what makes it, which parameters would make another, and setting them.
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
+#include "api/ramp_view.hpp"
 #include "tmcl/module_traits.hpp"
 #include "tmcl/parameter_number.hpp"
-#include "tmcl/plan/ramp_choice.hpp"
+#include "tmcl/plan/ramp_wish.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
 namespace plan = tmcl::plan;
 using boost::asio::awaitable;
-using plan::RampChoice;
 using plan::Setting;
-using Rate = ParsedRate<tmcl::PulsesPerSecond>;
-using Rate2 = ParsedRate<tmcl::PulsesPerSecond2>;
 
 constexpr auto max_bow = tmcl::number_of("max_bow");
 constexpr auto pulse_divisor = tmcl::number_of("pulse_divisor");
 constexpr std::string_view jerk_param = api::name_of<&axis::OfRamp::jerk>();
 
-/// What was asked for, as it was said and in microsteps.
+/// What was asked for, where it was said, and what its axis is measured in.
 struct Wish {
-  Rate velocity;
-  Rate2 acceleration;
-  Rate2 deceleration;
-  plan::RampRequest request;
+  plan::RampWish ramp;
+  std::array<std::string_view, 5> params;  ///< By plan::RampObjection::Part.
+  tmcl::AxisUnits units;
 };
 
 /// What the settings are to give, and of which axis.
 struct ChosenRamp {
   const tmcl::Model* model = nullptr;
-  RampChoice choice;
-  std::vector<std::string> warnings;
+  plan::PlannedRamp ramp;
 };
 
-/// What was asked for; nothing: as it is.
-struct JerkWish {
-  std::optional<double> in_pulses;
-  plan::WishUnit unit{1, "microsteps/s^3"};
-};
-Task<JerkWish> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params) {
+/// Nothing: as it is.
+Task<std::optional<plan::JerkWish>> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params,
+                                                   tmcl::AxisUnits& units) {
   if (params.jerk && params.bow) {
     co_return param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both");
   }
-  if (params.bow) co_return JerkWish{tmcl::to_pps3(*params.bow).value};
-  if (!params.jerk) co_return JerkWish{};
+  if (params.bow) co_return plan::JerkWish{.bow = *params.bow};
+  if (!params.jerk) co_return std::nullopt;
   const auto* text = std::get_if<std::string>(&params.jerk->said);
-  if (text != nullptr && *text == "max") co_return JerkWish{plan::highest_jerk};
-  const auto jerk = co_await must(jerk_of(axis, *params.jerk));
-  co_return JerkWish{jerk.in_pulses.value,
-                     {jerk.quantity.number / jerk.in_pulses.value, jerk.quantity.unit}};
+  if (text != nullptr && *text == "max") co_return plan::JerkWish{.highest = true};
+  auto jerk = co_await must(jerk_of(axis, *params.jerk));
+  if (jerk.units.scale) units.scale = std::move(jerk.units.scale);
+  co_return plan::JerkWish{.quantity = std::move(jerk.quantity)};
 }
 
-/// What the module counts itself may count something else with the ramp that is chosen.
+/// What the module counts is told in microsteps, since the ramp may change what it counts.
 template <class Value>
-plan::WishUnit unit_of(const ParsedRate<Value>& rate, std::string_view in_pulses) {
-  if (rate.quantity.unit.empty()) return {1, std::string(in_pulses)};
-  return {rate.quantity.number / rate.in_pulses.value, rate.quantity.unit};
+tmcl::Quantity said(const ParsedRate<Value>& rate, const char* in_microsteps) {
+  return rate.quantity.unit.empty() ? tmcl::Quantity{rate.in_pulses.value, in_microsteps}
+                                    : rate.quantity;
 }
 
 Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
   using axis::OfRamp;
-  auto velocity = co_await must(velocity_rate_of(
+  constexpr auto pps2 = "microsteps/s^2";
+  Wish wish;
+  const auto take = [&](const auto& rate, plan::RampObjection::Part part) {
+    wish.params.at(static_cast<std::size_t>(part)) = rate.param;
+    if (rate.units.scale) wish.units.scale = rate.units.scale;
+  };
+  using Part = plan::RampObjection::Part;
+  const auto velocity = co_await must(velocity_rate_of(
       axis, raw_or_quantity<&OfRamp::velocity_internal, &OfRamp::velocity>(params)));
-  auto acceleration = co_await must(acceleration_rate_of(
+  const auto acceleration = co_await must(acceleration_rate_of(
       axis, raw_or_quantity<&OfRamp::acceleration_internal, &OfRamp::acceleration>(params)));
-  auto deceleration = acceleration;
+  wish.units.axis = axis.name();
+  take(velocity, Part::velocity);
+  take(acceleration, Part::acceleration);
+  take(acceleration, Part::deceleration);
+  wish.ramp.velocity = said(velocity, "microsteps/s");
+  wish.ramp.acceleration = said(acceleration, pps2);
   if (params.deceleration || params.deceleration_internal) {
-    deceleration = co_await must(acceleration_rate_of(
+    const auto deceleration = co_await must(acceleration_rate_of(
         axis, raw_or_quantity<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params)));
+    take(deceleration, Part::deceleration);
+    wish.ramp.deceleration = said(deceleration, pps2);
   }
-  const auto jerk = co_await must(jerk_asked_for(axis, params));
-  plan::RampRequest request{velocity.in_pulses, acceleration.in_pulses, deceleration.in_pulses,
-                            jerk.in_pulses};
-  request.said_in = {unit_of(velocity, "microsteps/s"), unit_of(acceleration, "microsteps/s^2"),
-                     unit_of(deceleration, "microsteps/s^2"), jerk.unit};
-  co_return Wish{std::move(velocity), std::move(acceleration), std::move(deceleration), request};
-}
-
-/// With fewer microsteps, by which what was said in them stays as it is.
-std::string hint_of_microsteps(const Wish& wish, const tmcl::Model& model,
-                               const tmcl::ModuleUnits& units) {
-  const tmcl::UserScale* scale = nullptr;
-  const auto look = [&](const auto& rate) {
-    if (!is_in_microsteps(rate.quantity) && rate.units.scale) scale = &*rate.units.scale;
-  };
-  look(wish.velocity);
-  look(wish.acceleration);
-  look(wish.deceleration);
-  if (scale == nullptr) return {};
-  return tmcl::hint_of_resolution(scale->steps.resolution, [&](double share) {
-    auto request = wish.request;
-    const auto shrink = [&](const auto& rate, auto& pulses) {
-      if (!is_in_microsteps(rate.quantity)) pulses.value *= share;
-    };
-    shrink(wish.velocity, request.velocity);
-    shrink(wish.acceleration, request.acceleration);
-    shrink(wish.deceleration, request.deceleration);
-    return choose_ramp(model, request, units).has_value();
-  });
-}
-
-/// Which of them the module does not have.
-Error too_far(const tmcl::OutOfReach& fault, const Wish& wish, const tmcl::Model& model,
-              const tmcl::ModuleUnits& units) {
-  const auto error_at = [&](const auto& said) {
-    auto error = out_of_reach(said.quantity, said.units, fault);
-    error.hint.clear();
-    if (fault.wished > fault.nearest) error.hint = hint_of_microsteps(wish, model, units);
-    return quantity_error(said.param, error);
-  };
-  if (fault.is_velocity()) return error_at(wish.velocity);
-  const auto off = [&](const Rate2& rate) { return std::abs(fault.wished - rate.in_pulses.value); };
-  const bool is_braking = off(wish.deceleration) < off(wish.acceleration);
-  return error_at(is_braking ? wish.deceleration : wish.acceleration);
-}
-
-/// What no bow keeps would be exceeded in silence.
-std::optional<Error> jerk_refusal(const GatewayAxis& axis, const axis::OfRamp& params,
-                                  const tmcl::Model& model, const plan::RampRequest& request) {
-  const auto& jerk = request.jerk;
-  if (!jerk || *jerk == plan::highest_jerk) return std::nullopt;
-  const auto fault = plan::jerk_out_of_reach(model, *jerk);
-  if (!fault) return std::nullopt;
-  if (std::isinf(fault->nearest)) {
-    return param_error("out_of_range", params.bow ? api::name_of<&axis::OfRamp::bow>() : jerk_param,
-                       "the module of axis " + axis.name() + " is a " + std::string(model.name) +
-                           ": it has no bow, and its acceleration changes at once",
-                       "leave 'jerk' and 'bow' away, or give 'max' as 'jerk'");
-  }
-  return param_error("out_of_range", jerk_param, describe(in_unit(*fault, request.said_in.jerk)),
-                     "give a higher jerk, or leave 'jerk' away");
-}
-
-tmcl::RampLength ramp_up(const RampChoice& choice) {
-  return tmcl::ramp_length(choice.velocity, choice.acceleration, {choice.jerk});
-}
-
-/// What comes of a move that gets up to speed. A TMC429 whose ramp ticks are long may pass its
-/// target again and again, whatever its data sheet allows.
-std::vector<std::string> foreseen(const RampChoice& choice, const tmcl::Model& model) {
-  constexpr double farthest = 8e6;
-  if (model.family != tmcl::Family::tmc429) return {};
-  auto twin = plan::AxisTwin::of(model);
-  if (!twin || !twin->set(choice.settings)) return {};
-  const double way = std::min(3 * ramp_up(choice).microsteps + 1, farthest);
-  twin->move_to({static_cast<std::int32_t>(way)});
-  if (twin->time_to_arrival()) return {};
-  return {
-      "with these settings a move may not come to rest on its target; another acceleration does"};
+  auto jerk = co_await must(jerk_asked_for(axis, params, wish.units));
+  wish.ramp.jerk = std::move(jerk);
+  wish.params.at(static_cast<std::size_t>(Part::jerk)) = jerk_param;
+  wish.params.at(static_cast<std::size_t>(Part::bow)) = api::name_of<&OfRamp::bow>();
+  co_return wish;
 }
 
 std::vector<axis::ModuleTrait> view_of(const tmcl::ModuleTraits& traits) {
@@ -174,15 +107,19 @@ Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
                              " is not known, so what its parameters mean is not, either");
   }
   auto wish = co_await must(wish_of(axis, params));
-  co_await must_not(jerk_refusal(axis, params, *model, wish.request));
+  wish.units.model = model;
+  wish.units.module = units;
+  std::int32_t present_bow = 0;
   if (model->family == tmcl::Family::tmc457) {
     const auto bow = co_await must(axis.get(max_bow, {}), axis);
-    wish.request.bow = bow;
+    present_bow = bow;
   }
-  auto choice = plan::choose_ramp(*model, wish.request, *units);
-  if (!choice) co_return too_far(choice.error(), wish, *model, *units);
-  auto warnings = foreseen(*choice, *model);
-  co_return ChosenRamp{model, std::move(*choice), std::move(warnings)};
+  auto planned = plan::plan_ramp(wish.ramp, wish.units, present_bow);
+  if (!planned) {
+    const auto& [part, error] = planned.error();
+    co_return quantity_error(wish.params.at(static_cast<std::size_t>(part)), error);
+  }
+  co_return ChosenRamp{model, std::move(*planned)};
 }
 
 // The table has a row for everything that is chosen from it.
@@ -201,38 +138,14 @@ awaitable<std::optional<double>> unit_per_microstep(GatewayAxis& axis) {
 
 std::vector<axis::RampSetting> view_of(const std::vector<Setting>& settings,
                                        const GatewayAxis& axis) {
-  std::vector<axis::RampSetting> views;
-  for (const auto& setting : settings)
-    views.push_back({std::string(row_of(setting, axis).name), setting.parameter, setting.value});
-  return views;
+  return tmcld::view_of(settings, axis.parameters());
 }
 
 awaitable<axis::Ramp> view_of(GatewayAxis& axis, ChosenRamp chosen) {
-  const auto& choice = chosen.choice;
   const auto unit = co_await unit_per_microstep(axis);
-  const auto in_unit = [&](double pulses) {
-    return unit ? std::optional(pulses * *unit) : std::nullopt;
-  };
-  axis::Ramp ramp;
+  auto ramp = tmcld::view_of(chosen.ramp, *chosen.model, unit);
   ramp.axis = axis.name();
-  ramp.model = chosen.model->name;
   if (unit) ramp.unit = axis.unit();
-  ramp.velocity_pps = choice.velocity.value;
-  ramp.velocity = in_unit(choice.velocity.value);
-  ramp.acceleration_pps2 = choice.acceleration.value;
-  ramp.acceleration = in_unit(choice.acceleration.value);
-  ramp.deceleration_pps2 = choice.deceleration.value;
-  ramp.deceleration = in_unit(choice.deceleration.value);
-  if (std::isfinite(choice.jerk)) {
-    ramp.jerk_pps3 = choice.jerk;
-    ramp.jerk = in_unit(choice.jerk);
-  }
-  const auto [seconds, microsteps] = ramp_up(choice);
-  ramp.ramp_s = seconds;
-  ramp.ramp_microsteps = microsteps;
-  ramp.settings = view_of(choice.settings, axis);
-  ramp.remarks = choice.remarks;
-  ramp.warnings = std::move(chosen.warnings);
   co_return ramp;
 }
 
@@ -308,12 +221,12 @@ Answer<axis::SetRamp> set_ramp(Call& call, const axis::SetRamp& params) {
   auto& axis = *ready.axis;
   auto chosen = co_await must(choose(axis, params));
   co_await must(refuse_in_motion(axis));
-  auto settings = co_await must(in_safe_order(axis, chosen.choice.settings));
-  chosen.choice.settings = std::move(settings);
-  co_await must(write_all(axis, chosen.choice.settings, ready.moves));
+  auto settings = co_await must(in_safe_order(axis, chosen.ramp.choice.settings));
+  chosen.ramp.choice.settings = std::move(settings);
+  co_await must(write_all(axis, chosen.ramp.choice.settings, ready.moves));
   auto warnings = co_await axis.warnings();
   if (!warnings) warnings = std::vector{"no prediction: " + warnings.error().message};
-  chosen.warnings.insert(chosen.warnings.end(), warnings->begin(), warnings->end());
+  chosen.ramp.warnings.insert(chosen.ramp.warnings.end(), warnings->begin(), warnings->end());
   auto ramp = co_await view_of(axis, std::move(chosen));
   co_return ramp;
 }

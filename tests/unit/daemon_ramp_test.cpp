@@ -238,7 +238,7 @@ TEST_F(DaemonRamp, HasNoJerkWhereTheModuleHasNoBow) {
     for (const auto& [name, value] : wish) params[name] = value;
     const auto refused = call("axis.plan_ramp", params);
     ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().message, HasSubstr("it has no bow"));
+    EXPECT_THAT(refused.error().message, HasSubstr("a TMCM-1110 has no bow"));
   }
 }
 
