@@ -25,7 +25,8 @@ _tmclctl() {
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
-        --unit-mode | --microsteps | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
+        --unit-mode | --microsteps | --screw-pitch | --units-per-revolution | --unit | --gear-ratio | --jerk | --deceleration | \
+        --bow | --clock | --corner-jump | --microsteps-per-unit | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
         --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | --last | -w | --write | -r | --read | -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
@@ -79,6 +80,8 @@ _tmclctl() {
       return ;;
     --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until | --full-steps | \
       --velocity | --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps | \
+      --screw-pitch | --units-per-revolution | --unit | --gear-ratio | --jerk | --deceleration | --bow | --clock | \
+      --corner-jump | --microsteps-per-unit | \
       --bank | --start | --length | --tolerance | --deviation | --feed | --per-turn | --period | \
       --rate | --samples | --trigger | --pretrigger) return ;;
     --mode)

@@ -485,6 +485,82 @@ TEST_F(CtlProfile, TimesInCyclesAreCalledSo) {
   EXPECT_EQ(names, "I III IV V VII ");
 }
 
+// ---- by the parameters of a module
+
+TEST_F(CtlProfile, AModelIsSimulatedByItsParameters) {
+  const auto document =
+      simulated({"--model", "TMCM-142", "--screw-pitch", "5", "max_velocity=20mm/s", "5=500mm/s^2",
+                 "max_bow=0", "x_target=150mm"});
+  EXPECT_EQ(document.at("generator"), "tmc457");
+  EXPECT_EQ(document.at("final_position"), 1'536'000);
+  EXPECT_NEAR(document.at("duration_s").to_number<double>(), 150. / 20 + 20. / 500, 0.001);
+  EXPECT_EQ(document.at("peak_velocity"), 13'743'895);
+  const auto& velocity = document.at("parameters").at(0);
+  EXPECT_EQ(velocity.at("parameter"), "max_velocity");
+  EXPECT_EQ(velocity.at("number"), 4);
+  EXPECT_EQ(velocity.at("said"), "20mm/s");
+  EXPECT_EQ(velocity.at("register"), "v_max");
+  EXPECT_EQ(velocity.at("holds"), 13'743'895);
+  EXPECT_NEAR(velocity.at("deviation").to_number<double>(), 0, 1e-7);
+  EXPECT_EQ(err, "");
+}
+
+TEST_F(CtlProfile, AModelOfEveryFamilyArrives) {
+  for (const auto* model : {"TMCM-1110", "TMCM-142", "TMCM-6212", "TMCM-1111"}) {
+    SCOPED_TRACE(model);
+    const auto document = simulated(
+        {"--model", model, "--microsteps", "64", "max_velocity=1rps", "target_position=3rev"});
+    EXPECT_EQ(document.at("final_position"), 38'400);
+    EXPECT_GT(document.at("duration_s").to_number<double>(), 3);
+    EXPECT_LT(document.at("duration_s").to_number<double>(), 4);
+    const auto turning = simulated(
+        {"--model", model, "--microsteps", "64", "target_velocity=-30rpm", "--until", "2"});
+    EXPECT_NEAR(turning.at("final_position").to_number<double>(), -12'800, 700);
+  }
+}
+
+TEST_F(CtlProfile, OfAModelValuesCountAsTheModuleDoes) {
+  const auto bare = [this](const Words& settings) {
+    Words all{"--model", "TMCM-142", "--screw-pitch", "5"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    return simulated(all).at("parameters");
+  };
+  EXPECT_EQ(bare({"max_velocity=1000", "0=5"}).at(0).at("holds"), 1000);
+  EXPECT_EQ(bare({"max_velocity=1000", "unit_mode=1", "0=5"}).at(1).at("holds"), 67'108)
+      << "what it is counted in comes first";
+  const auto divided = simulated({"--model", "TMCM-1110", "max_velocity=1000pps", "154=5", "0=9"});
+  EXPECT_EQ(divided.at("parameters").at(1).at("holds"), 131) << "of 7.63 pps";
+}
+
+TEST_F(CtlProfile, WarningsAboutAModelNameParametersAsTheyWereTyped) {
+  EXPECT_EQ(run(simulate({"--model", "TMCM-6212", "--screw-pitch", "5", "start_velocity=4mm/s",
+                          "target_position=10mm"})),
+            ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("stop_velocity 10 is below start_velocity 4mm/s, so a short way"));
+  EXPECT_EQ(run(simulate({"--model", "TMCM-6212", "velocity_v1=0", "18=1", "0=1000"})),
+            ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("deceleration_d1 1 (0 in the chip) is not to be set"));
+}
+
+TEST_F(CtlProfile, NamesWhatIsWrongWithAParameter) {
+  const auto said = [this](const Words& settings) {
+    Words all{"--model", "TMCM-6212", "--screw-pitch", "5"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    return complaint(simulate(all));
+  };
+  EXPECT_THAT(said({"max_velocty=1"}), HasSubstr("Did you mean 'max_velocity'?"));
+  EXPECT_THAT(said({"max_acceleration=800mm/s^2"}),
+              HasSubstr("max_acceleration=800mm/s^2: 800 mm/s^2 is too large; the nearest"));
+  EXPECT_THAT(err, HasSubstr("parameter 140 set to 7"));
+  EXPECT_THAT(said({"max_velocity=99999999"}), HasSubstr("max_velocity (4) is 0 to 7999511"));
+  EXPECT_THAT(said({"run_current=5"}), HasSubstr("is in no register of the ramp generator"));
+  EXPECT_THAT(said({"max_velocity=1", "4=2"}), HasSubstr("max_velocity is given twice"));
+  EXPECT_THAT(said({"max_velocity"}), HasSubstr("is no PARAMETER=VALUE"));
+  EXPECT_THAT(complaint(simulate({"--model", "TMCM-1021", "0=1000"})),
+              HasSubstr("the firmware of a TMCM-1021 makes its ramps"));
+  EXPECT_THAT(complaint(simulate({"0=1000"})), HasSubstr("give --generator or --model"));
+}
+
 TEST_F(CtlProfile, CsvHasARowForEveryStep) {
   EXPECT_EQ(run(move_429({"--csv", "0.125", "--until", "0.25"})), ExitCode::done);
   auto generator = written_429();

@@ -347,6 +347,70 @@ TEST_F(CtlRamp, TellsAllOfItInJson) {
   EXPECT_EQ(json(ramp()).at("written"), true);
 }
 
+// ---- without a module
+
+TEST_F(CtlRamp, OfAModelNeedsNoModule) {
+  const auto document = json({"ramp", "--model", "TMCM-142", "--screw-pitch", "5", "--velocity",
+                              "20mm/s", "--acceleration", "500mm/s^2", "--jerk", "max"});
+  EXPECT_THAT(target.calls, IsEmpty());
+  EXPECT_EQ(document.at("model"), "TMCM-142");
+  EXPECT_EQ(document.at("unit"), "mm");
+  EXPECT_EQ(document.at("written"), false);
+  EXPECT_FALSE(document.contains("axis"));
+  // 204800 pps and 5120000 pps/s by f / 2^30 and f^2 / 2^42; 15/16 of the deceleration is used.
+  EXPECT_EQ(document.at("registers").at("v_max"), 13'743'895);
+  EXPECT_EQ(document.at("registers").at("a_max"), 87'961);
+  EXPECT_EQ(document.at("registers").at("d_max"), 93'825);
+  EXPECT_EQ(document.at("parameters").at("max_velocity"), 13'743'895);
+  EXPECT_EQ(document.at("parameters").at("max_bow"), 16);
+  EXPECT_NEAR(document.at("velocity").to_number<double>(), 20, 1e-5);
+  EXPECT_NEAR(document.at("deviation").at("velocity").to_number<double>(), 0, 1e-7);
+  EXPECT_NE(document.at("deviation").at("acceleration").to_number<double>(), 0);
+}
+
+TEST_F(CtlRamp, OfAModelShowsRegistersBesideParameters) {
+  EXPECT_EQ(run({"ramp", "--model", "TMCM-6212", "--screw-pitch", "5", "--velocity", "20mm/s",
+                 "--acceleration", "500mm/s^2"}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(out, testing::ContainsRegex("max_velocity +4 +204800 +vmax +214748\n"));
+  EXPECT_THAT(out, testing::ContainsRegex("max_acceleration +5 +5120000 +amax +43980\n"));
+  EXPECT_THAT(out, HasSubstr("gives 20 mm/s, 500 mm/s^2; up to speed in 0.04 s"));
+  EXPECT_THAT(out, HasSubstr("off the wish: velocity +0.000 %, acceleration +0.000 %"));
+}
+
+/// What it chooses is what a gateway chooses for an axis that is like that.
+TEST_F(CtlRamp, OfAModelIsThatOfEveryFamily) {
+  for (const auto* model : {"TMCM-1110", "TMCM-142", "TMCM-6212", "TMCM-1111", "TMCM-1021"}) {
+    const auto document =
+        json({"ramp", "--model", model, "--units-per-revolution", "360", "--unit", "deg",
+              "--gear-ratio", "3", "--velocity", "90deg/s", "--acceleration", "2rps/s"});
+    EXPECT_NEAR(document.at("velocity").to_number<double>(), 90, 0.1) << model;
+    EXPECT_NEAR(document.at("acceleration").to_number<double>(), 240, 2) << model;
+  }
+}
+
+TEST_F(CtlRamp, OfAModelIsRefusedAsOnAnAxis) {
+  const std::vector<std::string> ramp{"ramp", "--model",    "TMCM-6212", "--screw-pitch",
+                                      "5",    "--velocity", "20mm/s"};
+  const auto said = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), ramp.begin(), ramp.end());
+    return refusal(more);
+  };
+  EXPECT_THAT(said({"--acceleration", "800mm/s^2"}),
+              HasSubstr("800 mm/s^2 is too large; the nearest possible value is 745.0"));
+  EXPECT_THAT(err, HasSubstr("parameter 140 set to 7"));
+  EXPECT_THAT(said({"--acceleration", "500mm/s^2", "--jerk", "1mm/s^3"}),
+              HasSubstr("a TMCM-6212 has no bow"));
+  EXPECT_THAT(said({"--acceleration", "500mm/s"}), HasSubstr("is no acceleration"));
+  EXPECT_THAT(said({"--acceleration", "500mm/s^2", "--unit", "rev"}), HasSubstr("is one that"));
+  EXPECT_THAT(refusal({"ramp", "--velocity", "1pps", "--acceleration", "1pps/s"}),
+              HasSubstr("name an axis, or say --model MODEL"));
+  EXPECT_THAT(refusal({"ramp", "x", "--screw-pitch", "5", "--velocity", "1pps", "--acceleration",
+                       "1pps/s"}),
+              HasSubstr("needs --model"));
+}
+
 class CtlConvert : public CtlUnits {
  protected:
   using Words = std::vector<std::string>;

@@ -147,14 +147,28 @@ struct Raw {
   std::uint8_t motor = 0;
   std::int32_t value = 0;
 };
-/// A ramp generator without a module around it. Times are in seconds, or in the cycles of a
+/// An axis that need not be there.
+struct OfflineAxis {
+  std::string model;                       ///< Empty: none is meant.
+  std::optional<std::int32_t> microsteps;  ///< Of a full step; nothing: as the model starts.
+  std::int32_t full_steps = 200;
+  std::string unit;  ///< Empty: mm with a screw pitch, or none.
+  std::optional<double> screw_pitch, units_per_revolution;
+  double gear_ratio = 1;
+
+  bool is_meant() const { return !model.empty(); }
+  bool has_scale() const { return screw_pitch.has_value() || units_per_revolution.has_value(); }
+};
+/// A ramp generator without a module around it, by its registers or by the parameters
+/// of a module. Times are in seconds, or in the cycles of a
 /// generator that counts in those.
 struct Simulate {
   struct Change {
     double time = 0;
     std::string setting;  ///< REGISTER=VALUE
   };
-  std::string generator;
+  std::string generator;  ///< Empty with an axis.
+  OfflineAxis axis;
   std::vector<std::string> settings;
   std::vector<Change> changes;
   std::vector<double> samples;
@@ -227,7 +241,8 @@ struct UploadFirmware {
 };
 /// Makes a ramp of a velocity and an acceleration: dividers and registers, or plain parameters.
 struct Ramp {
-  std::string axis;
+  std::string axis;  ///< Empty with one that need not be there.
+  OfflineAxis offline;
   std::string velocity;
   std::string acceleration;
   std::string deceleration;  ///< Empty: the acceleration.

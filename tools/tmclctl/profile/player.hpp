@@ -77,7 +77,9 @@ class Player {
 
   // What is written at one instant is judged together.
   void judge() {
-    for (auto& warning : tmcl::ramp::warnings_of(generator_)) {
+    for (const auto& finding : generator_.findings()) {
+      auto warning =
+          script_.said ? describe(finding, script_.said) : describe(finding, G::registers());
       if (std::ranges::find(warnings_, warning) == warnings_.end())
         warnings_.push_back(std::move(warning));
     }

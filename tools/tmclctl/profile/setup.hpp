@@ -6,10 +6,22 @@
 
 namespace tmclctl::profile {
 
+/// An axis parameter, and what it is in its register.
+struct GivenParameter {
+  std::string said;  ///< As it was typed.
+  std::string name;
+  std::uint8_t number = 0;
+  std::int32_t value = 0;
+  std::string chip_register;
+  std::int64_t held = 0;
+  std::optional<double> off{};  ///< By how much of what was asked for it is off.
+};
+
 struct Setup {
   const GeneratorInfo& generator;
   double ticks_per_second;  ///< Or in a cycle, as the generator's time_unit says.
   Script script;
+  std::vector<GivenParameter> parameters{};  ///< Of a module, as they were given.
 
   /// Not before which tick this time is.
   Tick tick_at(double time) const;
@@ -19,6 +31,8 @@ struct Setup {
 Result<const GeneratorInfo*> find_generator(std::string_view name);
 
 Result<Setup> read_setup(const verb::Simulate& verb);
+/// The same of the parameters of a model.
+Result<Setup> read_model_setup(const verb::Simulate& verb);
 
 /// The name, for f_clk as if it were a register, and the clock that most modules have.
 constexpr std::string_view clock_name = "f_clk";

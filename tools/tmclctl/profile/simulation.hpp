@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,6 +31,8 @@ struct Change {
 struct Script {
   std::vector<Write> start;     ///< At tick 0.
   std::vector<Change> changes;  ///< Ascending by tick.
+  /// How warnings call a register and its value; empty: as the chip does.
+  std::function<std::string(const tmcl::ramp::Finding::Mention&)> said{};
 };
 
 struct PhaseStart {

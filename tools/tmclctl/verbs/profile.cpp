@@ -93,6 +93,32 @@ json::object registers_json(const Setup& setup) {
   return registers;
 }
 
+/// Of a module: parameters and registers beside each other.
+json::array parameters_json(const std::vector<profile::GivenParameter>& parameters) {
+  json::array all;
+  for (const auto& one : parameters) {
+    all.push_back(json::object{{"parameter", one.name},
+                               {"number", one.number},
+                               {"value", one.value},
+                               {"said", one.said},
+                               {"register", one.chip_register},
+                               {"holds", one.held},
+                               {"deviation", one.off ? json::value(*one.off) : json::value()}});
+  }
+  return all;
+}
+void print_parameters(const std::vector<profile::GivenParameter>& parameters, std::ostream& out) {
+  Table table({"PARAMETER", "NUMBER", "SAID", "VALUE", "REGISTER", "HOLDS", "OFF"});
+  for (const auto& one : parameters) {
+    const bool has_register = !one.chip_register.empty();
+    table.add({one.name, std::to_string(one.number), one.said, std::to_string(one.value),
+               has_register ? one.chip_register : "-",
+               has_register ? std::to_string(one.held) : "-",
+               one.off ? fmt::format("{:+.3f} %", *one.off * 100) : "-"});
+  }
+  table.print(out);
+}
+
 /// From one place to another.
 struct Ramp {
   double duration;
@@ -135,6 +161,7 @@ json::object to_json(const Outcome& outcome, const Setup& setup, json::array sam
       {"phases", std::move(phases)},
       {"samples", std::move(samples)}};
   if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
+  if (!setup.parameters.empty()) document["parameters"] = parameters_json(setup.parameters);
   return document;
 }
 
@@ -238,6 +265,7 @@ Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulati
                               tmcl::plain_number(scale->in_unit(value), 10), scale->unit, value,
                               value);
   }
+  if (!setup.parameters.empty()) print_parameters(setup.parameters, output.out);
   if (verb.svg.empty()) print_ramps(outcome, setup, output.out);
   return record(setup, simulation, outcome).and_then([&](const plot::Recording& recording) {
     return draw(recording, verb.svg, output);
@@ -245,7 +273,8 @@ Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulati
 }
 
 Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
-  const auto setup = profile::read_setup(verb);
+  const auto setup =
+      verb.axis.is_meant() ? profile::read_model_setup(verb) : profile::read_setup(verb);
   if (!setup) return tl::unexpected(setup.error());
   const auto simulation = setup->generator.simulate(setup->script);
   const auto until =
@@ -288,9 +317,11 @@ std::string generator_names() {
   return fmt::format("One of {}", fmt::join(names, ", "));
 }
 
-std::string objection_to(const verb::Simulate& said, bool json) {
+std::string conflict_in(const verb::Simulate& said, bool json) {
   const int forms = (json ? 1 : 0) + (said.csv_step ? 1 : 0) + (said.svg.empty() ? 0 : 1);
   if (forms > 1) return "--json, --csv and --svg exclude each other";
+  if (said.generator.empty() == !said.axis.is_meant()) return "give --generator or --model";
+  if (auto objection = tmclctl::objection_to(said.axis); !objection.empty()) return objection;
   return !said.samples.empty() && !json ? "--sample needs --json" : "";
 }
 
@@ -335,6 +366,15 @@ Registers are called as in the data sheets; values are decimal, 0x..., or these 
             10, if not given
   mc1451a   profile=s_curve|trapezoidal position velocity acceleration jerk; steps and cycles.
             With a point, velocity=2.75 is in steps/cycle, and so on; both forms are shown
+With --model instead of --generator they are the parameters of a module that need not be there, by name
+or number and in any unit, as 'tmclctl set' takes them; the others are as the module starts. What is
+typed is shown beside its parameter and its register, and by how much the register is off it.
+target_position moves, target_velocity turns; modules of all families but those whose firmware makes
+the ramps.
+
+  tmclctl profile simulate --model TMCM-142 --screw-pitch 5 max_velocity=20mm/s x_target=150mm
+  tmclctl profile simulate --model TMCM-6212 4=51200 5=2rps/s target_velocity=60rpm --until 2
+
 f_clk=HZ is the chip's clock (100 kHz to 100 MHz; 16 MHz if not given); mc1451a counts times in
 cycles wherever SECONDS are meant. Mode and target are written last, whatever the order here.
 
@@ -356,10 +396,12 @@ Form add_profile(Grammar& grammar) {
   auto simulate = grammar.verb<verb::Simulate>(
       profile, "simulate", access::offline("it computes, and asks no module"),
       "What a chip's ramp generator makes of registers", simulate_help, run);
-  simulate.required_option("--generator", "NAME", generator_names(), text(simulate->generator));
+  simulate.option("--generator", "NAME", generator_names(), text(simulate->generator));
+  add_offline_axis(simulate, simulate->axis);
   auto& said = *simulate.operator->();
   simulate.words("REGISTER=VALUE",
-                 "What is written before it starts; the others stay as at power-up",
+                 "What is written before it starts, with --model parameters; the others stay as at "
+                 "power-up",
                  texts(said.settings));
   simulate.repeated_option(
       "--change", "SECONDS:REGISTER=VALUE",
@@ -374,7 +416,7 @@ Form add_profile(Grammar& grammar) {
                   number(simulate->csv_step, shortest_csv_step, longest_simulated_time));
   simulate.option("--svg", "FILE", "Draw into this file, not on the screen",
                   svg_file(simulate->svg));
-  simulate.object(objection_to);
+  simulate.object(conflict_in);
   return profile;
 }
 

@@ -4,9 +4,16 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
+#include "api/ramp_view.hpp"
+#include "axis/offline_axis.hpp"
 #include "output/print.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/jerk.hpp"
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
+#include "tmcl/plan/ramp_registers.hpp"
+#include "tmcl/plan/ramp_wish.hpp"
+#include "tmcl/scale_factor.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -14,6 +21,7 @@ namespace {
 
 namespace json = boost::json;
 namespace api = tmcl::api;
+namespace plan = tmcl::plan;
 using api::axis::Ramp;
 
 template <class Method>
@@ -62,11 +70,7 @@ std::vector<Rate> rates_of(const Ramp& ramp) {
   return rates;
 }
 
-void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
-  warn(ramp.warnings, output);
-  if (output.json) return print_json(to_json(verb, ramp), output);
-  for (const auto& setting : ramp.settings)
-    output.out << fmt::format("{:<18} {}\n", setting.parameter, setting.value);
+std::string gives_text(const verb::Ramp& verb, const Ramp& ramp) {
   std::string text;
   for (const auto& rate : rates_of(ramp)) {
     text += text.empty() ? "gives " : ", ";
@@ -75,11 +79,174 @@ void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
             ? shown(InUnit{*rate.in_unit, *ramp.unit + std::string(rate.per_seconds)}, rate.pulses)
             : fmt::format("{} {}", tmcl::plain_number(rate.pulses, 10), rate.in_pulses);
   }
-  output.out << text
-             << fmt::format("; up to speed in {} s and {:.0f} microsteps",
-                            tmcl::plain_number(ramp.ramp_s, 4), ramp.ramp_microsteps)
-             << (verb.dry_run ? "; nothing was written" : "") << '\n';
+  return text + fmt::format("; up to speed in {} s and {:.0f} microsteps",
+                            tmcl::plain_number(ramp.ramp_s, 4), ramp.ramp_microsteps);
+}
+
+void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
+  warn(ramp.warnings, output);
+  if (output.json) return print_json(to_json(verb, ramp), output);
+  for (const auto& setting : ramp.settings)
+    output.out << fmt::format("{:<18} {}\n", setting.parameter, setting.value);
+  output.out << gives_text(verb, ramp) << (verb.dry_run ? "; nothing was written" : "") << '\n';
   warn(ramp.remarks, output);
+}
+
+// ---- on an axis that need not be there
+
+/// What is typed without a unit is what the module counts; it is told in microsteps.
+Result<Quantity> rate_of(const std::string& text, const AxisUnits& units,
+                         tmcl::Dimension dimension) {
+  const auto typed = typed_quantity(text, units);
+  if (!typed) return tl::unexpected(typed.error());
+  if (!typed->quantity.unit.empty()) return typed->quantity;
+  if (dimension == tmcl::Dimension::velocity) {
+    return attempt(to_pps(typed->quantity, typed->units)).map([](tmcl::PulsesPerSecond velocity) {
+      return Quantity{velocity.value, "microsteps/s"};
+    });
+  }
+  return attempt(to_pps2(typed->quantity, typed->units)).map([](tmcl::PulsesPerSecond2 change) {
+    return Quantity{change.value, "microsteps/s^2"};
+  });
+}
+
+Result<std::optional<plan::JerkWish>> jerk_of(const std::string& text, bool internal) {
+  using Jerk = std::optional<plan::JerkWish>;
+  if (text.empty()) return Jerk();
+  if (text == "max") return Jerk(plan::JerkWish{.highest = true});
+  if (const auto bow = Typed{text, internal}.counted()) {
+    if (*bow >= 1 && *bow <= tmcl::greatest_bow) return Jerk(plan::JerkWish{.bow = *bow});
+    return tl::unexpected(usage_error(
+        "out_of_range", fmt::format("--jerk: a bow is 1 to {}, not {}", tmcl::greatest_bow, *bow)));
+  }
+  return attempt(tmcl::parse_quantity(text)).map([](Quantity quantity) {
+    return Jerk(plan::JerkWish{.quantity = std::move(quantity)});
+  });
+}
+
+Result<plan::RampWish> wish_of(const verb::Ramp& verb, const AxisUnits& units) {
+  const auto velocity = rate_of(verb.velocity, units, tmcl::Dimension::velocity);
+  if (!velocity) return tl::unexpected(velocity.error());
+  const auto acceleration = rate_of(verb.acceleration, units, tmcl::Dimension::acceleration);
+  if (!acceleration) return tl::unexpected(acceleration.error());
+  plan::RampWish wish{*velocity, *acceleration};
+  if (!verb.deceleration.empty()) {
+    const auto deceleration = rate_of(verb.deceleration, units, tmcl::Dimension::acceleration);
+    if (!deceleration) return tl::unexpected(deceleration.error());
+    wish.deceleration = *deceleration;
+  }
+  return jerk_of(verb.jerk, verb.internal).map([&](std::optional<plan::JerkWish> jerk) {
+    wish.jerk = std::move(jerk);
+    return wish;
+  });
+}
+
+std::int32_t initial_bow(const AxisUnits& units) {
+  const auto* row = find_parameter(units.parameters(), tmcl::number_of("max_bow"));
+  return units.model->family == tmcl::Family::tmc457 && row != nullptr ? row->initial : 0;
+}
+
+/// Parameters and the registers that they end up in, beside each other.
+struct SettingRow {
+  std::string parameter;
+  int number;
+  std::int32_t value;
+  std::string chip_register;  // Empty: in no one register.
+  std::optional<std::int64_t> held;
+};
+
+std::vector<SettingRow> rows_of(const Ramp& ramp, const AxisUnits& units) {
+  const auto registers = plan::RampRegisters::of(*units.model);
+  std::vector<SettingRow> rows;
+  for (const auto& setting : ramp.settings) {
+    SettingRow row{setting.parameter, setting.number, setting.value, {}, {}};
+    const auto& info =
+        *find_parameter(units.parameters(), static_cast<std::uint8_t>(setting.number));
+    const auto writes =
+        registers ? registers->writes_of(info, setting.value) : std::vector<plan::RegisterWrite>{};
+    if (!writes.empty()) {
+      row.chip_register = registers->registers()[writes.front().index].name;
+      row.held = writes.front().value;
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// By how much of the wish the ramp is off, in parts of it.
+struct Deviation {
+  std::string_view of;
+  double share;
+};
+std::vector<Deviation> deviations(const Ramp& ramp, const plan::RampWish& wish,
+                                  const AxisUnits& units) {
+  std::vector<Deviation> all;
+  const auto add = [&](std::string_view what, double got, const auto& wished) {
+    if (wished) all.push_back({what, got / wished->value - 1});
+  };
+  const auto undirected = units.undirected();
+  add("velocity", ramp.velocity_pps, to_pps(wish.velocity, undirected));
+  add("acceleration", ramp.acceleration_pps2, to_pps2(wish.acceleration, undirected));
+  add("deceleration", ramp.deceleration_pps2,
+      to_pps2(wish.deceleration.value_or(wish.acceleration), undirected));
+  if (ramp.jerk_pps3 && wish.jerk && wish.jerk->quantity)
+    add("jerk", *ramp.jerk_pps3, to_pps3(*wish.jerk->quantity, undirected));
+  return all;
+}
+
+json::object offline_json(const Ramp& ramp, const std::vector<SettingRow>& rows,
+                          const std::vector<Deviation>& off) {
+  auto document = api::to_json(ramp);
+  document.erase(api::name_of<&Ramp::axis>());
+  document.erase(api::name_of<&Ramp::settings>());
+  json::object parameters;
+  json::object registers;
+  for (const auto& row : rows) {
+    parameters[row.parameter] = row.value;
+    if (row.held) registers[row.chip_register] = *row.held;
+  }
+  document["parameters"] = std::move(parameters);
+  document["registers"] = std::move(registers);
+  json::object deviation;
+  for (const auto& [of, share] : off) deviation[of] = share;
+  document["deviation"] = std::move(deviation);
+  document["written"] = false;
+  return document;
+}
+
+void show_offline(const verb::Ramp& verb, const Ramp& ramp, const plan::RampWish& wish,
+                  const AxisUnits& units, Output& output) {
+  warn(ramp.warnings, output);
+  const auto rows = rows_of(ramp, units);
+  const auto off = deviations(ramp, wish, units);
+  if (output.json) return print_json(offline_json(ramp, rows, off), output);
+  Table table({"PARAMETER", "NUMBER", "VALUE", "REGISTER", "HOLDS"});
+  for (const auto& row : rows) {
+    table.add({row.parameter, std::to_string(row.number), std::to_string(row.value),
+               row.held ? row.chip_register : "-", row.held ? std::to_string(*row.held) : "-"});
+  }
+  table.print(output.out);
+  output.out << gives_text(verb, ramp) << "; nothing was written\n";
+  std::string text;
+  for (const auto& [of, share] : off)
+    text += fmt::format("{}{} {:+.3f} %", text.empty() ? "off the wish: " : ", ", of, share * 100);
+  output.out << text << '\n';
+  warn(ramp.remarks, output);
+}
+
+Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
+  const auto units = axis_units_of(verb.offline);
+  if (!units) return tl::unexpected(units.error());
+  const auto wish = wish_of(verb, *units);
+  if (!wish) return tl::unexpected(wish.error());
+  const auto planned = plan::plan_ramp(*wish, *units, initial_bow(*units));
+  if (!planned) return tl::unexpected(error_from(planned.error().error));
+  std::optional<double> unit;
+  if (units->has_unit()) unit = 1 / std::abs(tmcl::microsteps_per_unit(*units->scale));
+  auto ramp = tmcld::view_of(*planned, *units->model, unit);
+  if (unit) ramp.unit = units->scale->unit;
+  show_offline(verb, ramp, *wish, *units, output);
+  return ExitCode::done;
 }
 
 Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
@@ -107,6 +274,14 @@ up to speed, and how far that is.
   tmclctl ramp x --velocity 50000pps --acceleration 200000pps/s
   tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --deceleration 50mm/s^2
   tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --jerk max --dry-run
+
+With --model instead of AXIS it computes the same of an axis that need not be there: a module as it is
+when it starts, with the screw or what else it drives. It shows the registers of the chip beside the
+parameters, and how far what they give is off the wish.
+
+  tmclctl ramp --model TMCM-142 --screw-pitch 5 --velocity 20mm/s --acceleration 500mm/s^2 --jerk max
+  tmclctl ramp --model TMCM-6212 --microsteps 16 --units-per-revolution 360 --unit deg --gear-ratio 10 \
+      --velocity 90deg/s --acceleration 900deg/s^2
 )";
 
 }  // namespace
@@ -115,7 +290,8 @@ void add_ramp(Grammar& grammar) {
   auto ramp = grammar.verb<verb::Ramp>(
       "ramp", access::acts, "Choose and set registers for a velocity and an acceleration",
       ramp_help, run);
-  ramp.axis(ramp->axis);
+  ramp.optional_word("AXIS", axis_meaning, text(ramp->axis));
+  add_offline_axis(ramp, ramp->offline);
   ramp.required_option("--velocity", "VELOCITY", "Of positioning moves, such as 50000pps",
                        text(ramp->velocity));
   ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 100mm/s^2",
@@ -127,6 +303,11 @@ void add_ramp(Grammar& grammar) {
               text(ramp->jerk));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
   ramp.internal(ramp->internal);
+  ramp.alone([](const verb::Ramp& said) { return said.offline.is_meant(); }, run_on_model);
+  ramp.object([](const verb::Ramp& said, bool) -> std::string {
+    if (said.axis.empty() == !said.offline.is_meant()) return "name an axis, or say --model MODEL";
+    return objection_to(said.offline);
+  });
 }
 
 }  // namespace tmclctl

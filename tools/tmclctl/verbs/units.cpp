@@ -331,6 +331,38 @@ shown: S-shaped with --bow. A bow that is too great for the acceleration is a wa
 
 }  // namespace
 
+void add_offline_axis(Form& form, verb::OfflineAxis& into) {
+  constexpr double least_of_turn = 1e-9;
+  constexpr double most_of_turn = 1e9;
+  form.option("--model", "MODEL", "Of an axis that need not be there, such as TMCM-142",
+              text(into.model));
+  auto& microsteps = into.microsteps;
+  form.option("--microsteps", "N", "With --model: of a full step (as the model starts)",
+              [&microsteps](const std::string& text) {
+                return read_microsteps(text, microsteps.emplace());
+              });
+  form.option("--full-steps", "N", "With --model: of a turn (default 200)",
+              number(into.full_steps, 1, tmcl::max_full_steps));
+  form.option("--screw-pitch", "UNITS", "With --model: what a turn of its screw is, in mm",
+              number(into.screw_pitch, least_of_turn, most_of_turn));
+  form.option("--units-per-revolution", "UNITS", "With --model: the same of what turns",
+              number(into.units_per_revolution, least_of_turn, most_of_turn));
+  form.option("--unit", "UNIT", "With --model: what those are (default mm)", text(into.unit));
+  form.option("--gear-ratio", "N", "With --model: turns of the motor for one behind the gear",
+              number(into.gear_ratio, least_of_turn, most_of_turn));
+}
+
+std::string objection_to(const verb::OfflineAxis& axis) {
+  const bool has_more = axis.microsteps || axis.has_scale() || !axis.unit.empty() ||
+                        axis.gear_ratio != 1 || axis.full_steps != 200;
+  if (!axis.is_meant()) return has_more ? "what a turn is needs --model MODEL" : "";
+  if (axis.screw_pitch && axis.units_per_revolution)
+    return "--screw-pitch and --units-per-revolution say the same: give one";
+  return axis.unit.empty() || axis.has_scale()
+             ? ""
+             : "--unit needs --screw-pitch or --units-per-revolution";
+}
+
 void add_convert(Grammar& grammar) {
   auto convert = grammar.verb<verb::Convert>(
       "convert", access::offline("it computes, and asks no module"),

@@ -56,6 +56,11 @@ void add_module_programs(Grammar& grammar, const Form& program);
 void add_ramp(Grammar& grammar);
 void add_convert(Grammar& grammar);
 
+/// --model, and what a turn of its motor is.
+void add_offline_axis(Form& form, verb::OfflineAxis& into);
+/// Why the words about it do not go together; empty if they do.
+std::string objection_to(const verb::OfflineAxis& axis);
+
 /// The parameters of a model that need not be there.
 Result<ExitCode> run_on_model(const verb::Params& verb, Output& output);
 /// Prints the names of axes, one a line, for the shell's completion.
