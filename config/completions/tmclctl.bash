@@ -102,7 +102,7 @@ _tmclctl() {
         "lease run":* | "lease break":0)
         words=$(_tmclctl_words axes) ;;
       line:*)
-        # Nobody knows the number behind the =.
+        # The number behind the = cannot be known.
         [[ $current == = || $previous == = ]] && return
         words=$(_tmclctl_words axes)
         words=${words//$'\n'/$'=\n'}${words:+=}
@@ -115,7 +115,7 @@ _tmclctl() {
       "firmware info":0 | "firmware check":0 | "firmware upload":0 | "mint check":0 | "mint run":0 | \
         "path check":0 | "path run":0) compopt -o default ;;
       "profile solve":*)
-        # Nobody knows the number behind the =.
+        # The number behind the = cannot be known.
         [[ $current == = || $previous == = ]] && return
         words=$(_tmclctl_words quantities)
         compopt -o nospace ;;

@@ -19,7 +19,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/config/udev/60-tmcl.rules
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME tmcl)
-# Whoever gives packages to others says here who they are.
+# A distributor of packages says here who they are.
 set(TMCL_PACKAGE_MAINTAINER "The libtmcl authors <libtmcl@localhost>" CACHE STRING "Maintainer of the Debian packages")
 set(CPACK_PACKAGE_CONTACT ${TMCL_PACKAGE_MAINTAINER})
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -61,7 +61,7 @@ speak TMCL."
 tmcl_package(tmcld tmcld electronics "gateway to motors on TMCL modules, for many programs"
   "tmcld owns the buses that TMCM modules are on and lets many programs use
 their axes safely: stops come first, nothing that moves a motor is repeated
-on suspicion, and whoever has a lease of an axis has it alone. Members of
+on suspicion, and the holder of a lease has its axes alone. Members of
 the group tmcl may use it."
   DEPENDS "systemd | systemd-standalone-sysusers" RECOMMENDS tmcl-tools
   EXTRA conffiles postinst prerm postrm)

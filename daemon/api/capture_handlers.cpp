@@ -122,7 +122,7 @@ Result<std::shared_ptr<GatewayAxis>> axis_in(const Call& call, const std::string
   if (!axis || (*axis)->module().capture() == capture) return axis;
   return tl::unexpected(failed(
       "unexpected_value", "the module of '" + name + "' records something else now, or nothing",
-      "somebody has begun another capture, or tmcld has started again: 'resume' finds out"));
+      "another client has begun a capture, or tmcld has started again: 'resume' finds out"));
 }
 
 capture::Started started(const Begun& begun, const Choices& channels) {

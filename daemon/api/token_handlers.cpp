@@ -24,7 +24,7 @@ std::shared_ptr<tmcld::Tokens> tokens_of(const Call& call) {
 std::optional<Error> objection(const Call& call) {
   const auto tokens = tokens_of(call);
   if (!tokens)
-    return not_now("no_tokens", "this gateway lets nobody in by a token",
+    return not_now("no_tokens", "this gateway lets no client in by a token",
                    "tokens are for clients of a running tmcld");
   if (tokens->problem().empty()) return std::nullopt;
   return not_now("no_tokens", "the file of the tokens cannot be used: " + tokens->problem(),
@@ -44,7 +44,7 @@ Result<std::string> name_of(const token::Add& params, const tmcld::Tokens& token
   };
   if (tokens.all().size() >= most_tokens)
     return refuse("there are " + std::to_string(most_tokens) +
-                  " tokens, and no more than that: revoke one that nobody needs");
+                  " tokens, and no more than that: revoke one that is not needed");
   const auto name = params.name.value_or(tokens.free_name());
   if (!tmcld::Tokens::is_name(name))
     return refuse("the name of a token has 1 to " + std::to_string(max_token_name_bytes) +

@@ -74,7 +74,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {module, "sentinel", string, optional, 0, 0, any,
      "by what a restart of it is noticed: auto, tick, variable:N, settings or none"},
     {module, "deadman_ms", integer, optional, 0, longest_deadman_ms, any,
-     "it stops its motors when nobody has sent it anything for so long; 0: never"},
+     "it stops its motors when no host has sent it anything for so long; 0: never"},
     {module, "as", string, optional, 0, 0, any, "file about what was measured of it"},
 
     {axis, "name", string, required, 0, 0, any, "how clients call this axis"},
@@ -108,20 +108,21 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "how far a reference search may go one way, in the unit or in microsteps; the length of "
      "soft_limits and a tenth if absent"},
     {axis, "max_velocity", number, optional, 0, 0, any,
-     "greatest speed in the unit per second, or in microsteps: nobody sets or asks for a higher "
+     "greatest speed in the unit per second, or in microsteps: no client sets or asks for a higher "
      "one"},
     {axis, "max_acceleration", number, optional, 0, 0, any,
-     "greatest acceleration, per second squared, likewise"},
+     "greatest acceleration, per second squared, held as max_velocity is"},
     {axis, "max_deceleration", number, optional, 0, 0, any,
-     "greatest deceleration, likewise; max_acceleration if absent"},
+     "greatest deceleration, held as max_velocity is; max_acceleration if absent"},
     {axis, "max_jerk", number, optional, 0, 0, any,
-     "greatest jerk, per second cubed, likewise: for modules that make S-curves (TMC457); the axis "
+     "greatest jerk, per second cubed, held as max_velocity is: for modules that make S-curves "
+     "(TMC457); the axis "
      "takes part in no line and no path then"},
     {axis, "max_corner_jump", number, optional, 0, 0, any,
      "by which its speed may change at once in a corner of a path, in the unit per second, or in "
      "microsteps"},
     {axis, "max_current", integer, optional, 0, 255, any,
-     "greatest current, as the module counts it, likewise"},
+     "greatest current, as the module counts it, held as max_velocity is"},
 
     {port, "name", string, required, 0, 0, any, "how the log and holders of leases call this port"},
     {port, "bus", string, required, 0, 0, any, "name of the bus that its host speaks to"},

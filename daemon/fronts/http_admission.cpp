@@ -57,17 +57,17 @@ bool lists(std::string_view list, std::string_view wanted) {
 }
 
 // A client from the network is no user of this computer.
-constexpr std::uint32_t nobody = 65534;
+constexpr std::uint32_t uid_of_nobody = 65534;
 
 Caller caller_with_token(const Token& token) {
-  Caller caller{{nobody}, token.role, "by the token '" + token.name + "'"};
+  Caller caller{{uid_of_nobody}, token.role, "by the token '" + token.name + "'"};
   caller.exceeds_limits = token.role == Role::configure;
   return caller;
 }
 
 /// A client of this computer without a token: its user is unknown.
 Caller unknown_caller(std::span<const AccessConfig> access) {
-  Caller caller{{nobody}};
+  Caller caller{{uid_of_nobody}};
   if (access.empty()) return caller;
   caller.role = Role::stop;
   caller.reason = "it has no token, and [[access]] is by users and groups";
@@ -123,7 +123,7 @@ Result<HttpEntry> entry_without_token(const HttpHead& head, const HttpConnection
                                       const HttpRules& rules,
                                       std::span<const AccessConfig> access) {
   if (!connection.is_loopback || !rules.loopback_without_token)
-    return tl::unexpected(unauthorized("no_token", "nobody is let in without a token"));
+    return tl::unexpected(unauthorized("no_token", "no client is let in without a token"));
   if (!is_loopback_host(head.host, connection.port)) {
     return tl::unexpected(not_now(
         "wrong_host",
@@ -189,7 +189,7 @@ Caller caller_by(std::string_view token, const Tokens& tokens,
   if (token.empty()) return unknown_caller(access);
   const auto* found = tokens.find(token);
   if (found != nullptr) return caller_with_token(*found);
-  return {{nobody}, Role::stop, "the token '" + std::string(token) + "' was revoked"};
+  return {{uid_of_nobody}, Role::stop, "the token '" + std::string(token) + "' was revoked"};
 }
 
 Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,

@@ -29,7 +29,7 @@ struct Counted {
 constexpr auto counters = std::to_array<Counted>({
     {"tmcl_requests_total", "Datagrams that were sent.", &tmcl::BusCounters::requests},
     {"tmcl_replies_total", "Answers that were accepted.", &tmcl::BusCounters::replies},
-    {"tmcl_timeouts_total", "Requests that nobody answered in time.", &tmcl::BusCounters::timeouts},
+    {"tmcl_timeouts_total", "Requests without an answer in time.", &tmcl::BusCounters::timeouts},
     {"tmcl_late_replies_total", "Answers to requests that had been given up.",
      &tmcl::BusCounters::late_replies},
     {"tmcl_surplus_replies_total", "Replies beyond what a module was asked for.",
@@ -107,7 +107,7 @@ void add_axes(Page& page, const Gateway& gateway) {
   };
   add("tmcl_axis_up", "1 while the module of the axis answers.",
       [](const GatewayAxis& axis) { return axis.module().state() == GatewayModule::State::ready; });
-  add("tmcl_axis_latched", "1 while nothing moves the axis until somebody says that it may.",
+  add("tmcl_axis_latched", "1 while the axis stands until a client says that it may move.",
       [](const GatewayAxis& axis) { return axis.latched().has_value(); });
   add("tmcl_axis_referenced", "1 if the axis has found its reference.",
       [](const GatewayAxis& axis) { return axis.is_referenced(); });

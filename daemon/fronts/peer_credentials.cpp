@@ -5,7 +5,7 @@
 namespace tmcld {
 namespace {
 
-constexpr std::uint32_t nobody = 65534;
+constexpr std::uint32_t uid_of_nobody = 65534;
 std::vector<std::uint32_t> groups_of_peer(int socket) {
   socklen_t size = 0;  // the first call says how much there is
   ::getsockopt(socket, SOL_SOCKET, SO_PEERGROUPS, nullptr, &size);
@@ -19,7 +19,7 @@ std::vector<std::uint32_t> groups_of_peer(int socket) {
 Credentials credentials_of_peer(int socket) {
   ucred peer{};
   socklen_t size = sizeof peer;
-  if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return {nobody};
+  if (::getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return {uid_of_nobody};
   Credentials credentials{peer.uid, peer.pid, groups_of_peer(socket)};
   credentials.groups.push_back(peer.gid);
   return credentials;

@@ -89,7 +89,8 @@ class Host : public std::enable_shared_from_this<Host> {
   std::string peer() const {
     error_code error;
     const auto end = socket_.remote_endpoint(error);
-    return error ? "nobody" : end.address().to_string() + ":" + std::to_string(end.port());
+    return error ? "a host that has gone"
+                 : end.address().to_string() + ":" + std::to_string(end.port());
   }
   void write(const tmcl::SerialBytes& bytes) {
     error_code error;

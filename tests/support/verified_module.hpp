@@ -34,7 +34,7 @@ class VerifiedModule {
     VerifyOptions options;
     options.model = model_;
     options.travel = {-100, 100};
-    options.nobody = ModuleAddress{9};
+    options.free_address = ModuleAddress{9};
     options.strays = [this] { return strays_; };
     for (const auto parameter : verify_parameters(*model_))
       options.settings.push_back({parameter, get(parameter)});

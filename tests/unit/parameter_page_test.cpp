@@ -173,7 +173,7 @@ trapezoids of the family TMC4361, with a sixPoint generator; [RAMPS.md](RAMPS.md
 | 2 | 56..255 | RW | -2^31..2^31-1 | the same, not kept |
 | 3 | 0..2 | RWE | 0..2^31-1 | periods of the timers 0 to 2, in ms |
 | 3 | 27.. | RWE | 0..3 | left and right stop switch of each motor in turn: edge that interrupts, 0 none, 1 rising, 2 falling, 3 both |
-| 3 | 39.. | RWE | 0..3 | the inputs, likewise |
+| 3 | 39.. | RWE | 0..3 | the same of the inputs |
 )";
   return page;
 }

@@ -80,16 +80,16 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
     as = "module.toml"               # like the one of that file, as with --as; any key of it can
                                      # stand here, too, and overrules the file
     supply = 23.5                    # of its motors, in volts, or "usb"; below 7 they have no torque
-    temperature = 40                 # likewise, in degrees centigrade
+    temperature = 40                 # that it answers, in degrees centigrade
     data_logger = true               # it has command 142, RAMDebug; without the key modules with a
                                      # TMC4361 or a sixPoint ramp have it, and others have not
       [[module.axis]]
       motor = 0
-      left_switch = -51200           # closed here and to the left; right_switch likewise
+      left_switch = -51200           # closed here and to the left; right_switch to the right
       home = [-100, 100]             # closed from here to there
       switch_tolerance = 20          # a closed switch opens so much later
-      normally_closed = false        # limit switches; home_normally_closed likewise
-      left_stop = -60000             # a mechanical end; right_stop likewise
+      normally_closed = false        # limit switches; home_normally_closed of the home switch
+      left_stop = -60000             # a mechanical end; right_stop the other one
       position = 1000                # where it stands at first
       encoder_counts_per_turn = 1024
       encoder_sign = -1              # counts down where the motor turns up
@@ -115,7 +115,7 @@ With --as, a module is like one that was measured. FILE is TOML; all its keys bu
     velocity_target = "turns_on"     # when it turns and its target is set; or goes_there
     limit_stop = "as_set"            # how it stops at a switch, whatever is set: hard, soft
     program_state = "high_byte"      # where command 135 has it; or low_byte
-    heartbeat = "stops"              # when nobody sends anything; or ignored
+    heartbeat = "stops"              # when no host sends anything; or ignored
     range_check = "manual"           # values out of range are refused; or wrap, with a TMC429
     addressing = "own"               # which commands it takes; or any
 

@@ -154,11 +154,11 @@ std::optional<tmcl::Error> AxisLimits::objection(const Request& request) const {
   if (module_.model() == nullptr) {
     return error(
         "its module has not said what it is, or is of a model without a "
-        "table: nobody can tell whether this is within its limits",
+        "table: whether this is within its limits cannot be told",
         "take the limits out of its [[axis]]");
   }
   if (sets_unseen(intent_of(request))) {
-    return error("it has limits, and nobody can tell whether this keeps them",
+    return error("it has limits, and whether this keeps them cannot be told",
                  "set the parameter to a value instead; see 'max_velocity' in the configuration");
   }
   std::optional<tmcl::Error> objection;

@@ -44,7 +44,7 @@ std::string_view words_for(ClaimKind by) {
     case ClaimKind::stop:
       return "could not be stopped, and is stopped until its module says it stands";
   }
-  return "is not moved by anybody";
+  return "is moved by no client";
 }
 
 }  // namespace

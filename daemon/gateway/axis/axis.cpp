@@ -80,7 +80,7 @@ tmcl::Error found_no_reference(const std::string& axis) {
   error.outcome = tmcl::Outcome::done;
   error.message = "the search of axis '" + axis +
                   "' has ended, and has found no reference: the axis does not stand at zero";
-  error.hint = "somebody else or its module stopped it; look at its switches, and search again";
+  error.hint = "another host or its module stopped it; look at its switches, and search again";
   return error;
 }
 
@@ -681,7 +681,7 @@ boost::asio::awaitable<void> GatewayAxis::find_cause(std::uint64_t client) {
   stop_cause_ = *cause;
   auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
                         "axis '" + name() +
-                            "' stands short of its target, and nobody has stopped "
+                            "' stands short of its target, and no stop is known "
                             "it; cause: " +
                             std::string(name_of(*cause)));
   event.cause = name_of(*cause);

@@ -129,7 +129,7 @@ class LineRun final : public DriveRun {
         if (auto stop = stopped_by_other()) co_return stop;
         co_return member.failure(
             tmcl::bad_argument("how axis '" + axis.name() + "' moves cannot be foreseen",
-                               "nobody has described its ramps, or its module does not tell how "
+                               "its ramps are not described, or its module does not tell how "
                                "they are set"));
       }
       member.before = axis.ramp_settings();

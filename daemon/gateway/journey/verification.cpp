@@ -32,7 +32,7 @@ tl::unexpected<tmcl::Error> impossible(std::string message, std::string hint) {
   return tl::unexpected(tmcl::bad_argument(std::move(message), std::move(hint)));
 }
 
-std::optional<tmcl::ModuleAddress> address_of_nobody(const GatewayBus& bus) {
+std::optional<tmcl::ModuleAddress> free_address_of(const GatewayBus& bus) {
   if (bus.is_can()) return std::nullopt;
   for (auto address = greatest_free_address; address > 0; --address) {
     const bool is_host = address == bus.config().bus_options.host_address;
@@ -140,7 +140,7 @@ GatewayAxis::Awaitable<void> Course::prepare() {
   auto limits = co_await find_limits();
   if (!limits) co_return limits;
   options_.expected = axis().module().traits();
-  options_.nobody = address_of_nobody(axis().bus());
+  options_.free_address = free_address_of(axis().bus());
   options_.strays = [this] { return axis().bus().counters().unexpected_replies; };
   options_.wire_time = wire_time(axis().bus());
   options_.tell = [this](const std::string& what) { tell(what); };

@@ -176,7 +176,7 @@ Script<tmcl::Result<Sentinel::Verdict>> GatewayModule::give_up_sentinel(std::str
   bus_.log(LogLevel::warning,
            bus_.name() + ": module " + std::to_string(number(address_)) +
                " is watched only while a motor of it was sent to somewhere else than 0, so perhaps "
-               "nobody notices that it starts again: " +
+               "it is not noticed that it starts again: " +
                why);
   return judge_sentinel(tmcl::Proof::none);
 }

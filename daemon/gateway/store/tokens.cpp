@@ -103,7 +103,7 @@ std::shared_ptr<Tokens> Tokens::open(std::string path, const LogSink& log) {
   if (known) tokens->all_ = std::move(*known);
   if (known) return tokens;
   tokens->problem_ = known.error();
-  log(LogLevel::error, "no token lets anybody in: " + tokens->problem_);
+  log(LogLevel::error, "no token lets a client in: " + tokens->problem_);
   return tokens;
 }
 

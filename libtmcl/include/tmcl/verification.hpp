@@ -71,7 +71,7 @@ struct VerifyOptions {
   /// What the wire takes of an exchange.
   Duration wire_time{};
   /// No module has this address; nothing on CAN, and where that is not known.
-  std::optional<ModuleAddress> nobody{};
+  std::optional<ModuleAddress> free_address{};
   /// How many replies have come on this link that answered nothing.
   std::function<std::uint64_t()> strays{};
   /// Told what is done next.

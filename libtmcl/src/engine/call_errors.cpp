@@ -68,19 +68,20 @@ Error full_link_error(const Call& call, Framing framing, Duration waited) {
 }
 
 Error doubt_error(const Call& call) {
-  return error_for(call, Errc::unexpected_value,
-                   fmt::format("more than one reply came to it, {} times: nobody can tell which is "
-                               "right",
-                               call.doubts),
-                   fmt::format("two modules have the address {}, or another program asks on this "
-                               "bus: end that, or give one module another address",
-                               number(call.request.address)));
+  return error_for(
+      call, Errc::unexpected_value,
+      fmt::format("more than one reply came to it, {} times: which is meant cannot be told "
+                  "right",
+                  call.doubts),
+      fmt::format("two modules have the address {}, or another program asks on this "
+                  "bus: end that, or give one module another address",
+                  number(call.request.address)));
 }
 
 Error surplus_error(const Call& call) {
   return error_for(call, Errc::unexpected_value,
                    fmt::format("module {} gives more replies than it is asked for, all the time: "
-                               "nobody can tell which answers what",
+                               "which answers what cannot be told",
                                number(call.request.address)),
                    fmt::format("two modules have the address {}, or the link doubles replies: give "
                                "one module another address",
@@ -106,8 +107,7 @@ Error no_download_error(const Call& call) {
 }
 
 Error broken_download_error(const Call& call) {
-  return error_for(call, Errc::download_broken,
-                   "nobody can tell any more what the module recorded");
+  return error_for(call, Errc::download_broken, "what the module recorded cannot be told any more");
 }
 
 Error recorded_error(const Call& call, Status status) {

@@ -210,7 +210,8 @@ Error no_sample(ModuleAddress module, std::uint32_t index, Error refusal) {
   if (refusal.status != Status::maximum_exceeded) return refusal;
   refusal.message = fmt::format("module {} has no sample {}", number(module), index);
   refusal.hint =
-      "it has not recorded so many yet, or what it had is gone: it has started again, or somebody "
+      "it has not recorded so many yet, or what it had is gone: it has started again, or another "
+      "host "
       "has begun another capture";
   return refusal;
 }

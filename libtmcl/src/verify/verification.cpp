@@ -135,18 +135,18 @@ Script<Result<void>> Verifier::ask_version() {
 
 // What answers is another module's reply, which the bus counts and drops.
 Script<Result<void>> Verifier::ask_another_address() {
-  if (!options_.nobody || !options_.strays) {
-    not_measured(Trait::addressing, "there is no address here that certainly nobody has");
+  if (!options_.free_address || !options_.strays) {
+    not_measured(Trait::addressing, "there is no address here that is certainly free");
     co_return Result<void>{};
   }
   tell("asks another address");
   const auto before = options_.strays();
   CallOptions options;
   options.attempts = 1;
-  const Request request{*options_.nobody, Command::GGP, gp::application_status, 0, 0};
+  const Request request{*options_.free_address, Command::GGP, gp::application_status, 0, 0};
   const auto answer = co_await exchange(request, options);
   co_await pause(stray_time);
-  const auto who = fmt::format("address {}", number(*options_.nobody));
+  const auto who = fmt::format("address {}", number(*options_.free_address));
   if (answer || answer.error().outcome == Outcome::refused) {
     not_measured(Trait::addressing, "another module has " + who);
   } else if (!is_silence(answer.error())) {

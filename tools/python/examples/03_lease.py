@@ -8,15 +8,15 @@ import sys
 
 import tmcl
 
-with tmcl.connect(*sys.argv[1:]) as mine, tmcl.connect(*sys.argv[1:]) as somebody:
+with tmcl.connect(*sys.argv[1:]) as mine, tmcl.connect(*sys.argv[1:]) as other:
     with mine.lease("x"):
         mine.x.move(2)
         try:
-            somebody.x.move(0)
+            other.x.move(0)
         except tmcl.Error as error:
             print(f"{error.name}, {error.outcome}: {error.hint}")
             assert error.name == "leased" and error.outcome == "not_sent"
         mine.x.wait()
-    somebody.x.move(0)
-    somebody.x.wait()
-    print("x is anybody's again")
+    other.x.move(0)
+    other.x.wait()
+    print("x is free again")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The same with asyncio: somebody watches while somebody moves:
+"""The same with asyncio: one task watches while another moves:
 
     05_asyncio.py [SOCKET]
 """

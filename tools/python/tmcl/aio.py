@@ -91,7 +91,7 @@ class Gateway:
     def lease(
         self, *axes: str, ttl: float = USUAL_TTL_S, on_loss: str = "stop", by_hand: bool = False
     ) -> Lease:
-        """`async with gateway.lease("x", "y"):` nobody else moves these axes meanwhile, and they
+        """`async with gateway.lease("x", "y"):` no other client moves these axes meanwhile, and they
         stop when the block ends. It is renewed until then, or by `await lease.renew()` if
         `by_hand`. When it is lost, the next call in the block raises LeaseLost."""
         return Lease(self, axes, ttl, on_loss, by_hand)
@@ -388,7 +388,7 @@ class Watch(AsyncIterator[WatchedState]):
 
     @property
     def dropped(self) -> int:
-        """How many states were replaced by newer ones, because nobody took them in time."""
+        """How many states were replaced by newer ones, because they were not taken in time."""
         return self._dropped_before + (self._states.dropped if self._states is not None else 0)
 
     async def __anext__(self) -> WatchedState:

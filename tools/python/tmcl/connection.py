@@ -14,7 +14,7 @@ from .forks import check_process
 from .link import OPENING_S, READ_BYTES, Link, OpenLink
 from .methods import EFFECTS, WatchedState
 
-#: When the daemon has said nothing for so long while somebody waits, it is asked something easy;
+#: When the daemon has said nothing for so long while a call waits, it is asked something easy;
 #: when that is not answered either, the connection counts as lost.
 SILENCE_S = 5.0
 #: So long a daemon that is not there is waited for before something is done, rather than read.
@@ -23,7 +23,7 @@ PATIENCE_TO_ACT_S = 2.0
 MOST_REPEATS = 5
 FIRST_PAUSE_S = 0.05
 LONGEST_PAUSE_S = 1.0
-#: Of states that nobody has taken yet; the oldest are dropped.
+#: Of states not taken yet; the oldest are dropped.
 MOST_STATES = 65_536
 # These do not get better by waiting.
 _HOPELESS = ("bad_certificate", "garbage", "too_many_clients")
@@ -32,7 +32,7 @@ Said = Mapping[str, Any]
 
 
 class States:
-    """What a subscription has told and nobody has taken yet."""
+    """What a subscription has told, not taken yet."""
 
     def __init__(self) -> None:
         self.waiting: deque[WatchedState] = deque(maxlen=MOST_STATES)

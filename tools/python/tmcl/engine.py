@@ -141,7 +141,7 @@ class Engine:
     def _answer(self, said: Mapping[str, Any]) -> Message:
         number, result, error = said.get("id"), said.get("result"), said.get("error")
         if not isinstance(number, int) or isinstance(number, bool) or number > self._last_id:
-            raise _first_error(said) or garbage(f"an answer to a call that nobody made: {number!r}")
+            raise _first_error(said) or garbage(f"an answer to no call: {number!r}")
         if self._waiting.pop(number, None) is None:
             raise garbage(f"a second answer to call {number}")
         if isinstance(error, dict):

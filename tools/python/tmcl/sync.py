@@ -117,7 +117,7 @@ class Gateway:
     def lease(
         self, *axes: str, ttl: float = USUAL_TTL_S, on_loss: str = "stop", by_hand: bool = False
     ) -> Lease:
-        """`with gateway.lease("x", "y"):` nobody else moves these axes meanwhile, and they stop
+        """`with gateway.lease("x", "y"):` no other client moves these axes meanwhile, and they stop
         when the block ends. It is renewed until then, or by `lease.renew()` if `by_hand`. When it
         is lost, the next call in the block raises LeaseLost."""
         return Lease(
@@ -212,7 +212,7 @@ class Axis:
 
     @property
     def velocity(self) -> float:
-        """In its unit per second; likewise."""
+        """In its unit per second."""
         return in_unit(self.name, self.state().velocity)
 
     @property

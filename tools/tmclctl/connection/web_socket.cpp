@@ -203,7 +203,8 @@ Error unreachable(const std::string& url, const std::string& why, std::string hi
 
 std::string hint_for(const error_code& error) {
   if (error == asio::error::connection_refused)
-    return "Nobody listens there: does tmcld run, and has its configuration [http] with this port?";
+    return "No program listens there: does tmcld run, and has its configuration [http] with this "
+           "port?";
   if (error == asio::error::timed_out)
     return "Is the computer on, and does a firewall let this in?";
   if (error.category() == asio::error::get_netdb_category()) return "Is the name spelt right?";

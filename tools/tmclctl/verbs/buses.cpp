@@ -96,7 +96,7 @@ constexpr const char* buses_help = R"(
 One row for each bus: its link, whether it is open, how much of what the wire carries was used while it
 looked (only for serial lines, whose baud rate says that; the rate of a USB port means nothing), and since
 tmcld started: requests without an answer in time (TIMEOUTS), answers that came too late (LATE), bytes that
-belong to no datagram (GARBAGE), replies that nobody asked for (SURPLUS), and answers that were given out
+belong to no datagram (GARBAGE), replies to no request (SURPLUS), and answers that were given out
 only when they had been proven (SUSPECT). A bus that is not open says why.
 
   tmclctl buses

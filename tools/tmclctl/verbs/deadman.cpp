@@ -61,7 +61,7 @@ Result<ExitCode> run(const verb::TestDeadman& verb, Context& context) {
 }
 
 constexpr const char* deadman_help = R"(
-A module can stop its motors by itself when nobody has sent it anything for a time: when this computer
+A module can stop its motors by itself when no host has sent it anything for a time: when this computer
 has failed, tmcld hangs, or the cable is cut. The time is kept in the module's EEPROM, and holds for every
 other host, too, and for programs in the module: one that starts a program by itself is not set. tmcld
 sends something to a module that it has set in every third of the time; 'deadman_ms' in its configuration
@@ -83,8 +83,8 @@ then; a stop, or Ctrl-C, ends the test. tmcld remembers what was found: 'tmclctl
 }  // namespace
 
 void add_deadman(Grammar& grammar) {
-  const auto group =
-      grammar.group("deadman", "Modules that stop their motors when nobody is there", deadman_help);
+  const auto group = grammar.group(
+      "deadman", "Modules that stop their motors when no host is there", deadman_help);
   auto set = grammar.verb<verb::SetDeadman>(
       group, "set", access::acts, "Switch it on, in the module's EEPROM", deadman_help, run);
   set.axis(set->axis);

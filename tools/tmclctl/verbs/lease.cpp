@@ -100,7 +100,7 @@ Result<ExitCode> run(const verb::BreakLease& verb, Context& context) {
   return ExitCode::done;
 }
 
-constexpr std::string_view alone = "with --direct nobody else is there";
+constexpr std::string_view alone = "with --direct there is no other client";
 constexpr double shortest_ttl_s = 0.2;
 constexpr double longest_ttl_s = 60;
 

@@ -137,8 +137,8 @@ void add_line(Grammar& grammar) {
              [&goals = line->goals](const std::string& text) { return read_goal(text, goals); });
   line.option("--velocity", "VELOCITY", "What no axis exceeds, such as 20mm/s or 50000pps",
               text(line->velocity));
-  line.option("--acceleration", "ACCELERATION", "Likewise, such as 100mm/s^2 or 200000pps/s",
-              text(line->acceleration));
+  line.option("--acceleration", "ACCELERATION",
+              "What no axis exceeds, such as 100mm/s^2 or 200000pps/s", text(line->acceleration));
   line.option("--time", "SECONDS", "Take so long; without it, as short as possible",
               number(line->time_s, shortest_time_s, longest_line_s));
   line.flag("--wait", "Wait until all of them stand at their targets", line->wait);

@@ -37,7 +37,7 @@ std::string remark_on(const ModuleRow& row) {
     return "DUPLICATE: several modules answer at this address, or another program asks";
   if (row.in_bootloader)
     return "NO FIRMWARE runs, only its bootloader: see tmclctl firmware upload";
-  if (row.watched_by == "none") return "UNWATCHED: nobody notices when it starts again";
+  if (row.watched_by == "none") return "UNWATCHED: it is not noticed when it starts again";
   return "";
 }
 

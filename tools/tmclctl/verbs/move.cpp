@@ -149,7 +149,7 @@ microsteps only on axes without a unit, and with --internal.
 )";
 
 constexpr const char* wait_help = R"(
-Comes back when all of them stand at their targets, whoever sent them there; one that swings about its
+Comes back when all of them stand at their targets, whichever client sent them there; one that swings about its
 target does not stand there, and a warning says why it swings. An axis that is stopped
 short of its target ends it (exit code 5). Ctrl-C ends the waiting and NOT the moves.
 

@@ -71,7 +71,7 @@ constexpr const char* set_help = R"(
 A bare number is what the module counts, on every axis. A position, velocity or acceleration may have
 a unit, as 'get --in-units' prints it, and becomes the nearest value there is. The module forgets the value when it loses power, unless 'tmclctl store' keeps it.
 Writing target_position, actual_position, target_velocity or ramp_mode can move the motor. What the
-settings of a ramp then make of moves that nobody may want, such as a bow with which the motor swings,
+settings of a ramp then make of moves that are hardly wanted, such as a bow with which the motor swings,
 is told as a warning.
 
   tmclctl set x max_velocity 1500

@@ -94,7 +94,7 @@ Form add_path(Grammar& grammar) {
                number(check->feed, least_of_path, most_of_path));
   check.option("--velocity", "UNITS", "What an axis can do, a second (default 100)",
                number(check->velocity, least_of_path, most_of_path));
-  check.option("--acceleration", "UNITS", "Likewise, a second squared (default 1000)",
+  check.option("--acceleration", "UNITS", "And a second squared (default 1000)",
                number(check->acceleration, least_of_path, most_of_path));
   check.option("--corner-jump", "UNITS",
                "By how much an axis may change its speed at once in a corner, a second",

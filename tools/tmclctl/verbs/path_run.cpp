@@ -209,7 +209,7 @@ with them: 20mm/s, 500mm/s^2, 120rpm.
 Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
-there is nobody else who could: if this program is killed, each axis stops at the end of its leg, in the
+nothing else could: if this program is killed, each axis stops at the end of its leg, in the
 other modes where the path would next turn it round; those of a TMC4361 or of firmware ramps turn on.
 
   tmclctl path run part.ngc --axis X=left --axis Y=front
@@ -243,9 +243,10 @@ void add_path_run(Grammar& grammar, const Form& group) {
               text(form->feed));
   form.option("--velocity", "UNITS|VELOCITY", "No axis faster than this; otherwise max_velocity",
               text(form->velocity));
-  form.option("--acceleration", "UNITS|ACCELERATION",
-              "Likewise, a second squared, or such as 500mm/s^2; otherwise the least of its own",
-              text(form->acceleration));
+  form.option(
+      "--acceleration", "UNITS|ACCELERATION",
+      "No axis with more: a second squared, or such as 500mm/s^2; otherwise the least of its own",
+      text(form->acceleration));
   form.option("--corner-jump", "UNITS|VELOCITY",
               "By how much an axis may change its speed at once in a corner, such as 2mm/s",
               text(form->corner_jump));

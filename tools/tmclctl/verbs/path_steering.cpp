@@ -6,7 +6,7 @@ namespace tmclctl {
 namespace {
 
 constexpr const char* path_steering_help = R"(
-For paths that tmcld passes, whoever began them. A path in position mode pauses where it stands itself.
+For paths that tmcld passes, by this client or another. A path in position mode pauses where it stands itself.
 
   tmclctl path pause left
   tmclctl path resume

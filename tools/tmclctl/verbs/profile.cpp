@@ -380,7 +380,7 @@ cycles wherever SECONDS are meant. Mode and target are written last, whatever th
 
 A change acts after everything up to its instant; changes of one instant act in the order given.
 --json prints {"generator", "duration_s", "final_position", "peak_velocity", "ramp_up": {"duration_s",
-"microsteps"}, "ramp_down": likewise, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
+"microsteps"}, "ramp_down": the same, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
 "a"}]}; duration_s is when it last came to rest on its target, null if it does not. The times of
 mc1451a are called duration_cycles and start_cycles. The ramps are what comes before it is first as
 fast as it gets, and after that, until it stands there; text says so, too.

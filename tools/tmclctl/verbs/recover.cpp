@@ -32,7 +32,7 @@ Result<ExitCode> run(const verb::Recover& verb, Context& context) {
 constexpr const char* recover_help = R"(
 When a module has started again, or is another one than before, tmcld moves its axes no more: where
 they are, and how they are set up, is what the module starts with. 'tmclctl home x' finds the place
-again. Where none is needed, or somebody has looked, this says that the axis may move. The settings are
+again. Where none is needed, or you have looked, this says that the axis may move. The settings are
 not put back: what is not stored in the module (see 'tmclctl store') has to be set again.
 
   tmclctl recover x

@@ -103,7 +103,7 @@ it for ROR and ROL, and others have another register, so a faster VELOCITY is ta
 is above max_velocity in the configuration is refused.
 
 It shows the axis until Ctrl-C, SIGTERM or SIGHUP, and stops it then. If this program is killed, tmcld
-stops the axis; with --direct nobody does. With --unattended it comes back at once, and the axis turns
+stops the axis; with --direct nothing does. With --unattended it comes back at once, and the axis turns
 on until it is stopped.
 
   exit 0   stopped; with --unattended, or a velocity of zero: it was told so
@@ -123,8 +123,7 @@ void add_rotate(Grammar& grammar) {
       grammar.verb<verb::Rotate>("rotate", access::acts, "Turn without end", rotate_help, run);
   rotate.axis(rotate->axis);
   rotate.word("VELOCITY", "With a unit; negative: to the left", text(rotate->velocity));
-  rotate.flag("--unattended", "Come back at once, and let it turn without anybody who watches it",
-              rotate->unattended);
+  rotate.flag("--unattended", "Come back at once, and let it turn unwatched", rotate->unattended);
   rotate.internal(rotate->internal);
 }
 

@@ -16,7 +16,7 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
   if (reading.lease) out << "lease     " << *reading.lease << ": 'tmclctl lease list'\n";
   if (reading.owner && !reading.lease)
     out << "turns for " << *reading.owner << ": it is stopped when that ends\n";
-  if (reading.unattended) out << "watched   by nobody: it turns until it is stopped\n";
+  if (reading.unattended) out << "watched   by no client: it turns until it is stopped\n";
   if (reading.latched) {
     out << "latched   its module has started again, or is another one: 'tmclctl home " << axis
         << "' or 'tmclctl recover " << axis << "'\n";

@@ -124,7 +124,7 @@ Result<ExitCode> run(const verb::Stop& verb, Context& context) {
 constexpr const char* stop_help = R"(
 Ramps down to standstill. A stop goes out before everything else. Through tmcld it says within a
 second that the module has taken it; if it cannot, it says so and exits with 3 (nothing was sent) or 4
-(nobody knows). That is no emergency stop: such a one cuts the power.
+(it is not known). That is no emergency stop: such a one cuts the power.
 --all, or 'all' where no axis is called so, stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to
 255 and stops each as soon as it is found.
 

@@ -43,19 +43,19 @@ Result<ExitCode> run(const verb::RevokeToken& verb, Context& context) {
   if (context.output.json) {
     print_json({{"name", verb.name}, {"revoked", true}}, context.output);
   } else {
-    context.output.out << verb.name << " lets nobody in any more\n";
+    context.output.out << verb.name << " lets no client in any more\n";
   }
   return ExitCode::done;
 }
 
 namespace {
 
-constexpr std::string_view alone = "with --direct nobody else is there";
+constexpr std::string_view alone = "with --direct there is no other client";
 
 constexpr const char* token_help = R"(
 A token lets a client in from the network, by [http] of tmcld's configuration, with the role that it was
 made for: observe, operate or configure, each with what is before it. It is printed once; tmcld keeps a
-hash of it. 'token revoke' ends the connections and the leases of whoever uses it. All of this needs the
+hash of it. 'token revoke' ends the connections and the leases of its clients. All of this needs the
 role configure.
 
   tmclctl token add --role operate --name lab
@@ -77,7 +77,7 @@ void add_tokens(Grammar& grammar) {
                              "Which there are", token_help, run);
   auto revoke = grammar.verb<verb::RevokeToken>(
       group, "revoke", access::tmcld_only(VerbEffect::acts, alone),
-      "Let nobody in by it any more, and end who is", token_help, run);
+      "Let no client in by it any more, and end those that are", token_help, run);
   revoke.word("NAME", "As list has it", text(revoke->name));
 }
 

@@ -176,7 +176,7 @@ constexpr std::int32_t most_remembered = 1024;
 constexpr const char* trace_help = R"(
 One line for each datagram that tmcld sends over a bus or gets from it, for whichever client: when (UTC),
 -> to the modules or <- from them, the bytes as they were on the wire, what they mean (beginning with the
-address of the module), and who asked: a process, a token, a port. Nobody: tmcld itself. On CAN, the
+address of the module), and who asked: a process, a token, a port; without one, tmcld itself. On CAN, the
 identifier of the frame comes first. What belongs to no datagram is shown as garbage.
 
 tmcld remembers the last 4096 datagrams of each bus at any time: after something went wrong, --last shows
@@ -195,7 +195,7 @@ virtual modules the same. Ctrl-C ends it (exit code 0).
 
 void add_trace(Grammar& grammar) {
   auto trace = grammar.verb<verb::Trace>(
-      "trace", access::tmcld_only(VerbEffect::reads, "with --direct nobody else is there"),
+      "trace", access::tmcld_only(VerbEffect::reads, "with --direct there is no other client"),
       "Show what goes over a bus", trace_help, run);
   trace.optional_word("BUS", "Its name; not needed where there is one", text(trace->bus));
   trace.option("--last", "N", "Begin with the last N datagrams that tmcld remembers",

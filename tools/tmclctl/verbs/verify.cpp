@@ -119,7 +119,7 @@ why it is not: a trait whose variants differ by milliseconds does not show on a 
 
 The axis ends where it began, and has the settings that it had. Currents are never touched. A value out of
 range is sent that a module without a check cuts to what it has, and one question to an address that no
-module here has. Nobody else can move or set the axis meanwhile; a stop, or Ctrl-C, ends it: the axis stands
+module here has. No other client can move or set the axis meanwhile; a stop, or Ctrl-C, ends it: the axis stands
 then, and gets its settings back. It takes a minute or less.
 
 --report writes a file that says all this, for a person and for programs: 'tmclsim --module MODEL --as FILE'
