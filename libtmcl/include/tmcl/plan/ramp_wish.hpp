@@ -18,16 +18,16 @@ namespace tmcl::plan {
 
 /// How fast an acceleration may change: one of them.
 struct JerkWish {
-  std::optional<Quantity> quantity{};
+  std::optional<tmcl::Quantity> quantity{};
   std::optional<std::int32_t> bow{};
   bool highest = false;  ///< As fast as the module can without swinging.
 };
 
 struct RampWish {
-  Quantity velocity;
-  Quantity acceleration;
-  std::optional<Quantity> deceleration{};  ///< Nothing: the acceleration.
-  std::optional<JerkWish> jerk{};          ///< Nothing: as it is.
+  tmcl::Quantity velocity;
+  tmcl::Quantity acceleration;
+  std::optional<tmcl::Quantity> deceleration{};  ///< Nothing: the acceleration.
+  std::optional<JerkWish> jerk{};                ///< Nothing: as it is.
 };
 
 /// What of a wish cannot be.

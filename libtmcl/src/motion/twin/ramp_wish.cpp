@@ -30,8 +30,8 @@ tl::unexpected<RampObjection> object(Part part, Error error) {
 }
 
 template <class Value>
-Wished<Value> in_pulses(Part part, const Quantity& said, const AxisUnits& units,
-                        Result<Value> (*convert)(const Quantity&, const AxisUnits&)) {
+Wished<Value> in_pulses(Part part, const tmcl::Quantity& said, const AxisUnits& units,
+                        Result<Value> (*convert)(const tmcl::Quantity&, const AxisUnits&)) {
   const auto value = convert(said, units);
   if (!value) return object(part, value.error());
   if (value->value > 0) return *value;
@@ -40,7 +40,7 @@ Wished<Value> in_pulses(Part part, const Quantity& said, const AxisUnits& units,
 }
 
 /// What the module counts itself may count something else with the ramp that is chosen.
-WishUnit unit_of(const Quantity& said, double pulses, std::string_view in_microsteps) {
+WishUnit unit_of(const tmcl::Quantity& said, double pulses, std::string_view in_microsteps) {
   if (said.unit.empty()) return {1, std::string(in_microsteps)};
   return {said.number / pulses, said.unit};
 }
@@ -66,7 +66,7 @@ class Planner {
   }
 
  private:
-  const Quantity& braking() const {
+  const tmcl::Quantity& braking() const {
     return wish_.deceleration ? *wish_.deceleration : wish_.acceleration;
   }
 
@@ -128,7 +128,7 @@ class Planner {
     if (!units_.scale) return {};
     return hint_of_resolution(units_.scale->steps.resolution, [&](double share) {
       auto request = request_;
-      const auto shrink = [&](const Quantity& said, auto& pulses) {
+      const auto shrink = [&](const tmcl::Quantity& said, auto& pulses) {
         if (!is_in_microsteps(said)) pulses.value *= share;
       };
       shrink(wish_.velocity, request.velocity);
