@@ -135,31 +135,39 @@ std::optional<Ramp> ramp_down(const Outcome& outcome, const Setup& setup) {
   if (!outcome.arrival) return std::nullopt;
   return ramp_between(outcome.last_peak, {*outcome.arrival, outcome.at_end.position}, setup);
 }
-/// The name of a field that holds a time.
-std::string in_time_unit(std::string_view what, const Setup& setup) {
-  return fmt::format("{}_{}", what, setup.generator.time_unit);
+/// A time, as a field called so. In seconds, but for a generator that counts in cycles: what is in
+/// the field of seconds is cycles then, too, for those who know no other.
+void add_time(json::object& object, std::string_view what, const json::value& time,
+              const Setup& setup) {
+  object[fmt::format("{}_s", what)] = time;
+  if (!setup.generator.clocked)
+    object[fmt::format("{}_{}", what, setup.generator.time_unit)] = time;
 }
 json::value to_json(const std::optional<Ramp>& ramp, const Setup& setup) {
   if (!ramp) return nullptr;
-  return json::object{{in_time_unit("duration", setup), ramp->duration},
-                      {"microsteps", ramp->length}};
+  json::object object;
+  add_time(object, "duration", ramp->duration, setup);
+  object["microsteps"] = ramp->length;
+  return object;
 }
 
 json::object to_json(const Outcome& outcome, const Setup& setup, json::array samples) {
   json::array phases;
-  for (const auto& phase : outcome.phases)
-    phases.push_back(json::object{{"name", phase.name},
-                                  {in_time_unit("start", setup), setup.time_of(phase.tick)}});
-  json::object document{
-      {"generator", setup.generator.name},
-      {in_time_unit("duration", setup),
-       outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr)},
-      {"final_position", outcome.at_end.position},
-      {"peak_velocity", outcome.peak_velocity},
-      {"ramp_up", to_json(std::optional(ramp_up(outcome, setup)), setup)},
-      {"ramp_down", to_json(ramp_down(outcome, setup), setup)},
-      {"phases", std::move(phases)},
-      {"samples", std::move(samples)}};
+  for (const auto& phase : outcome.phases) {
+    json::object object{{"name", phase.name}};
+    add_time(object, "start", setup.time_of(phase.tick), setup);
+    phases.push_back(std::move(object));
+  }
+  json::object document{{"generator", setup.generator.name}};
+  add_time(document, "duration",
+           outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr),
+           setup);
+  document["final_position"] = outcome.at_end.position;
+  document["peak_velocity"] = outcome.peak_velocity;
+  document["ramp_up"] = to_json(std::optional(ramp_up(outcome, setup)), setup);
+  document["ramp_down"] = to_json(ramp_down(outcome, setup), setup);
+  document["phases"] = std::move(phases);
+  document["samples"] = std::move(samples);
   if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
   if (!setup.parameters.empty()) document["parameters"] = parameters_json(setup.parameters);
   return document;
@@ -321,7 +329,7 @@ std::string conflict_in(const verb::Simulate& said, bool json) {
   const int forms = (json ? 1 : 0) + (said.csv_step ? 1 : 0) + (said.svg.empty() ? 0 : 1);
   if (forms > 1) return "--json, --csv and --svg exclude each other";
   if (said.generator.empty() == !said.axis.is_meant()) return "give --generator or --model";
-  if (auto objection = tmclctl::objection_to(said.axis); !objection.empty()) return objection;
+  if (auto objection = objection_to(said.axis); !objection.empty()) return objection;
   return !said.samples.empty() && !json ? "--sample needs --json" : "";
 }
 
@@ -381,9 +389,10 @@ cycles wherever SECONDS are meant. Mode and target are written last, whatever th
 A change acts after everything up to its instant; changes of one instant act in the order given.
 --json prints {"generator", "duration_s", "final_position", "peak_velocity", "ramp_up": {"duration_s",
 "microsteps"}, "ramp_down": the same, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
-"a"}]}; duration_s is when it last came to rest on its target, null if it does not. The times of
-mc1451a are called duration_cycles and start_cycles. The ramps are what comes before it is first as
-fast as it gets, and after that, until it stands there; text says so, too.
+"a"}]}; duration_s is when it last came to rest on its target, null if it does not. Those of mc1451a
+are cycles: duration_cycles and start_cycles have them as well, and are to be preferred. The ramps are
+what comes before it is first as fast as it gets, and after that, until it stands there; text says so,
+too.
 What the chip would take but should not be told is a warning on standard error, the same that
 'tmclctl set' gives on a module.
 )";
