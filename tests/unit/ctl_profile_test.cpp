@@ -512,7 +512,7 @@ TEST_F(CtlProfile, AModelOfEveryFamilyArrives) {
     const auto document = simulated(
         {"--model", model, "--microsteps", "64", "max_velocity=1rps", "target_position=3rev"});
     EXPECT_EQ(document.at("final_position"), 38'400);
-    EXPECT_GT(document.at("duration_s").to_number<double>(), 3);
+    EXPECT_GT(document.at("duration_s").to_number<double>(), 2.99);
     EXPECT_LT(document.at("duration_s").to_number<double>(), 4);
     const auto turning = simulated(
         {"--model", model, "--microsteps", "64", "target_velocity=-30rpm", "--until", "2"});

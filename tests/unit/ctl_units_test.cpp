@@ -479,7 +479,7 @@ TEST_F(CtlConvert, WhatNoRegisterHoldsIsRefusedWithTheGreatest) {
   };
   EXPECT_TRUE(bare("31999023").contains("velocity"));
   EXPECT_FALSE(bare("31999024").contains("velocity"));
-  EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--microsteps", "256", "100rps"}),
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--microsteps", "256", "1000rps"}),
               HasSubstr("nearest possible value"));
 }
 

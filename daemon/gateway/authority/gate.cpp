@@ -399,7 +399,7 @@ struct Charge {
         permit.only_asks && !has_acted && effect == tmcl::Effect::reads && !options.hold;
     if (!ends_with_client || options.objection) return;
     options.objection = [all = arrivals.get(), client = permit.client] {
-      return all->is_there(client) ? std::nullopt : std::optional(client_gone());
+      return all->waits(client) ? std::nullopt : std::optional(client_gone());
     };
   }
 };

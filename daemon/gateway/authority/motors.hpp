@@ -55,6 +55,8 @@ struct Arrivals {
   Permit admit(std::uint64_t client = 0) { return {++last, client}; }
   void stop_all() { stop_of_all = ++last; }
   bool is_there(std::uint64_t client) const { return client == 0 || clients.contains(client); }
+  /// For an answer: at the end of the daemon clients move nothing any more, but they still wait.
+  bool waits(std::uint64_t client) const { return closing || is_there(client); }
 };
 
 tmcl::Error client_gone();

@@ -466,14 +466,14 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
     auto reading = co_await looks_.begin(look_here);
     if (reading) co_return std::move(*reading);
     // It was for another client, which has gone.
-    if (!arrivals().is_there(client)) co_return tl::unexpected(axis_.on_bus(client_gone()));
+    if (!arrivals().waits(client)) co_return tl::unexpected(axis_.on_bus(client_gone()));
   }
 }
 
 boost::asio::awaitable<std::optional<tmcl::Result<AxisReading>>> GatewayAxis::look_for(
     std::uint64_t client) {
   auto reading = co_await look(client);
-  if (!reading && !arrivals().is_there(client)) co_return std::nullopt;
+  if (!reading && !arrivals().waits(client)) co_return std::nullopt;
   co_return std::optional(std::move(reading));
 }
 

@@ -280,8 +280,7 @@ when it starts, with the screw or what else it drives. It shows the registers of
 parameters, and how far what they give is off the wish.
 
   tmclctl ramp --model TMCM-142 --screw-pitch 5 --velocity 20mm/s --acceleration 500mm/s^2 --jerk max
-  tmclctl ramp --model TMCM-6212 --microsteps 16 --units-per-revolution 360 --unit deg --gear-ratio 10 \
-      --velocity 90deg/s --acceleration 900deg/s^2
+  tmclctl ramp --model TMCM-6212 --units-per-revolution 360 --unit deg --velocity 90deg/s --acceleration 2rps/s
 )";
 
 }  // namespace
