@@ -290,7 +290,7 @@ TEST_F(TmcldHttp, TellsTmclctlWhatIsWrongWithACertificate) {
   EXPECT_THAT(said("http://localhost:" + port), HasSubstr("begins with https://"));
   EXPECT_THAT(said("https://localhost:" + port, {"--ca", config()}), HasSubstr("as certificate"));
   EXPECT_THAT(said("ftp://localhost"), HasSubstr("is no URL of a tmcld"));
-  EXPECT_THAT(said("https://localhost:1"), HasSubstr("Nobody listens there"));
+  EXPECT_THAT(said("https://localhost:1"), HasSubstr("No program listens there"));
   EXPECT_THAT(said(https(), {"--token-file", path("none")}), HasSubstr("cannot read a token"));
 }
 
