@@ -133,8 +133,8 @@ std::string MemoryBench::create_daemon() {
                    axis("z", 2, 1) + "[[module]]\nbus = \"bench\"\naddress = 3\n" +
                    "[[port]]\nname = \"a\"\nbus = \"bench\"\nmay = [\"move\"]\n" +
                    "tcp = \"127.0.0.1:" + std::to_string(serial_port_) + "\"\n" +
-                   "[[port]]\nname = \"b\"\nbus = \"bench\"\nmay = [\"move\"]\n" +
-                   "pty = \"" + terminal() + "\"\n");
+                   "[[port]]\nname = \"b\"\nbus = \"bench\"\nmay = [\"move\"]\n" + "pty = \"" +
+                   terminal() + "\"\n");
   if (!config) throw std::runtime_error(config.error().front().message);
   HttpConfig http;
   http.listen = {{"127.0.0.1", http_port_}};

@@ -138,9 +138,9 @@ class EngineState {
   }
   void add(const Lane& lane) {
     const auto& [in_step, failed_fences, answered_fences, next_fence, abandoned, held_back,
-                 answers_held_back, silent_until, last_answered, answered_before, last_answered_at, equal_in_a_row,
-                 duplicate_suspected, surplus, surplus_since, last_surplus, exchanges_to_trust,
-                 trusted_from] = lane;
+                 answers_held_back, silent_until, last_answered, answered_before, last_answered_at,
+                 equal_in_a_row, duplicate_suspected, surplus, surplus_since, last_surplus,
+                 exchanges_to_trust, trusted_from] = lane;
     add_all(in_step, failed_fences, answered_fences, answers_held_back, last_answered,
             answered_before);
     for (const auto& [command, replies, last, heard] : abandoned) {

@@ -25,7 +25,7 @@ struct Permit {
   bool unattended = false;          ///< What it sets turning turns on when its client goes.
   bool needs_no_reference = false;  ///< It counts from where an axis stands.
   bool ends_with_client = false;    ///< Also what it leads.
-  bool only_asks = false;           ///< What it has not asked yet when its client goes, is not asked.
+  bool only_asks = false;  ///< What it has not asked yet when its client goes, is not asked.
   /// Of one call.
   bool operator==(const Permit& other) const { return number == other.number; }
 };

@@ -49,9 +49,7 @@ std::string_view words_for(ClaimKind by) {
 
 }  // namespace
 
-tmcl::Error client_gone() {
-  return tmcl::bad_argument("the client has gone that asked for it");
-}
+tmcl::Error client_gone() { return tmcl::bad_argument("the client has gone that asked for it"); }
 
 void Motors::add(AxisAddress motor, const std::string& axis, bool needs_reference) {
   auto& added = motors_[motor];
@@ -166,8 +164,7 @@ tmcl::Error Motors::refusal(AxisAddress motor, Obstacle because) const {
     case Obstacle::lease_lost:
       return error(Errc::lease_lost, "the lease of " + axis + " was lost",
                    "lease.acquire gives a new one");
-    case Obstacle::client_gone:
-      return error(Errc::bad_argument, client_gone().message, {});
+    case Obstacle::client_gone: return error(Errc::bad_argument, client_gone().message, {});
     case Obstacle::lease_missing:
       return error(Errc::not_permitted, axis + " moves only under a lease: 'moves_need_lease'",
                    "'tmclctl lease run " + it.axis + " -- COMMAND' has one while COMMAND runs");

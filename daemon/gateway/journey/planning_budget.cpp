@@ -37,13 +37,13 @@ tl::expected<PlanningBudget::Place, tmcl::Error> PlanningBudget::take(
   const auto found = use_->of_clients.find(client);
   const auto of_client = found == use_->of_clients.end() ? 0 : found->second;
   if (of_client > 0 && of_client + bytes > limit_ / 2)
-    return tl::unexpected(full("plans of " + client_name +
-                                    " wait or are made, or its paths and programs run",
-                               of_client, limit_ / 2));
+    return tl::unexpected(
+        full("plans of " + client_name + " wait or are made, or its paths and programs run",
+             of_client, limit_ / 2));
   if (use_->all > 0 && use_->all + bytes > limit_)
     return tl::unexpected(
-        full("plans of several clients wait or are made, or their paths and programs run", use_->all,
-             limit_));
+        full("plans of several clients wait or are made, or their paths and programs run",
+             use_->all, limit_));
   auto held = std::make_unique<const std::size_t>(bytes);
   use_->of_clients[client] += bytes;
   use_->all += bytes;
