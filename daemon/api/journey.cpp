@@ -18,7 +18,7 @@ Result<std::string> text_of(const Call& call, const std::optional<std::string>& 
   }
   if (text) return *text;
   return take_staged(call, staged_path, *bytes).map([](const std::vector<std::uint8_t>& staged) {
-    return std::string(staged.begin(), staged.end());
+    return std::string(reinterpret_cast<const char*>(staged.data()), staged.size());
   });
 }
 

@@ -38,7 +38,7 @@ motor = 0
 // greatest length take some milliseconds, the longest path some 20. What is a hundred times the
 // work of a line is beyond it.
 #ifdef __SANITIZE_ADDRESS__
-constexpr auto longest_turn = std::chrono::milliseconds(1500);  // 515 seen: not optimised
+constexpr auto longest_turn = std::chrono::milliseconds(500);  // not optimised, and checked
 #else
 constexpr auto longest_turn = std::chrono::milliseconds(200);
 #endif

@@ -1,4 +1,4 @@
-// An axis that somebody moves on a line, on a path or in a reference search is moved by no client
+// An axis that a client moves on a line, on a path or in a reference search is moved by no client
 // else, whichever method is tried.
 #include <set>
 
