@@ -115,7 +115,7 @@ std::string without_what_differs(std::string text) {
 class TmclctlDoors : public testing::Test {
  protected:
   static void write_files(const CtlBench& bench) {
-    std::ofstream(bench.file("stop.tmc")) << "WAIT TICKS, 0, 10\nSTOP\n";
+    std::ofstream(bench.file("stop.tmc")) << "WAIT TICKS, 0, 100000\nSTOP\n";
     std::ofstream(bench.file("go.mint")) << "SPEED = 1000\nACCEL = 10000\nMOVER = 200\nGO\n";
     std::ofstream(bench.file("path.csv")) << "x,y\n0,0\n1,1\n";
     std::ofstream(bench.file("firmware.hex")) << hex_file(0x4000, firmware_bytes(100, "3110V142"));
