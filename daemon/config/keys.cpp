@@ -59,7 +59,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "how often a command that may be repeated is sent before it counts as failed"},
     {bus, "quiet_time_ms", integer, optional, 0, 10000, any, "silence after an unanswered request"},
     {bus, "silence_time_ms", integer, optional, 0, 60000, any,
-     "how long a module that did not answer is left in peace"},
+     "how long a module that did not answer is not asked again"},
     {bus, "telegram_pause_ms", integer, optional, 0, 255, framed,
      "the modules' telegram pause time (global parameter 75)"},
     {bus, "host_address", integer, optional, 0, 255, framed,

@@ -224,6 +224,51 @@ TEST(BusEngine, ASilentModuleCostsTheOthersOnlyTime) {
   EXPECT_EQ(bus.result(healthy)->reply.value, bus.module(2).parameter(0, 1));
 }
 
+/// How much of the line a module that does not answer takes from the others, asked all the time.
+double share_of_a_silent_module(ScriptedBus& bus, Duration duration) {
+  const auto begin = bus.clock().now();
+  Duration waited{};
+  while (bus.clock().now() < begin + duration) {
+    const auto before = bus.clock().now();
+    bus.submit(gap(1));
+    bus.settle();
+    waited += bus.clock().now() - before;
+    bus.pass(10ms);
+  }
+  return std::chrono::duration<double>(waited) / duration;
+}
+
+TEST(BusEngine, AModuleThatStaysSilentIsAskedLessAndLess) {
+  ScriptedBus bus;
+  const auto first = share_of_a_silent_module(bus, 2s);
+  const auto later = share_of_a_silent_module(bus, 20s);
+  EXPECT_GT(first, 0.2);
+  EXPECT_LT(later, 0.2);
+  // However long it was away, it is asked again within a second.
+  bus.add_module(1);
+  bus.pass(1s);
+  const auto read = bus.submit(gap(1));
+  bus.settle();
+  EXPECT_TRUE(bus.result(read));
+}
+
+TEST(BusEngine, AModuleThatWasHeardIsSoonAskedAgainWhenItFallsSilent) {
+  ScriptedBus bus;
+  share_of_a_silent_module(bus, 20s);
+  bus.add_module(1);
+  bus.pass(1s);
+  bus.submit(gap(1));
+  bus.settle();
+  bus.chance = [](std::size_t) { return Fault::lost_request; };
+  bus.submit(gap(1));
+  bus.settle();
+  bus.pass(250ms);
+  const auto asked = bus.sent().size();
+  bus.submit(gap(1));
+  bus.run_actions();
+  EXPECT_GT(bus.sent().size(), asked);
+}
+
 TEST(BusEngine, ALateReplyIsNotTheAnswerToTheNextQuestion) {
   ScriptedBus bus;
   bus.add_module(1);

@@ -89,7 +89,7 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   auto& module = modules_.with(lost.sent.address);
   module.lane.abandon(lost.sent.command, now);
   doubt_answers(module, lost.sent.command);
-  if (lost.is_fence() && module.lane.fence_failed(lost.fence_tries, now + options_.silence_time))
+  if (lost.is_fence() && module.lane.fence_failed(lost.fence_tries, now, options_.silence_time))
     on_silence(lost.sent.address);
   if (!lost.call) return;
   auto error = timeout_error(*lost.call, reply_time(lost.call->options));
@@ -244,7 +244,7 @@ void BusEngine::start_fence(const Call& next) {
   const unsigned tries = asks_once ? 1 : fence_tries;
   const auto fence = module.lane.fence(address, next.request.command, now);
   if (!fence) {
-    module.lane.fence_failed(1, now + options_.silence_time);
+    module.lane.fence_failed(1, now, options_.silence_time);
     return on_silence(address);
   }
   ++counters_.fences;

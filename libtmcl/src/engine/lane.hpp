@@ -50,8 +50,9 @@ class Lane {
   /// Something else than a fence goes out, or is given up.
   void end_fences() { answered_fences_ = 0; }
   /// A fence was not answered; true when that was the last try, and the module now counts as
-  /// silent.
-  bool fence_failed(unsigned tries, TimePoint silent_until);
+  /// silent: for `silence`, and for twice as long each time until it is heard, up to four times
+  /// `silence`. What asks it all the time would take half of a serial line otherwise.
+  bool fence_failed(unsigned tries, TimePoint now, Duration silence);
 
   /// A late reply of this command may still come.
   bool may_still_answer(Command command, TimePoint now) const;
@@ -99,6 +100,7 @@ class Lane {
 
   bool in_step_ = true;
   unsigned failed_fences_ = 0;
+  unsigned silences_ = 1;         ///< That the next silence lasts.
   unsigned answered_fences_ = 0;  ///< In a row.
   std::size_t next_fence_ = 0;
   std::vector<Abandoned> abandoned_;
