@@ -47,11 +47,11 @@ tmcl::Error scan_in_progress(const GatewayBus& bus) {
 class ScanInProgress {
  public:
   explicit ScanInProgress(std::shared_ptr<GatewayBus> bus) : bus_(std::move(bus)) {
-    bus_->scanning = true;
+    bus_->link().scanning = true;
   }
   ScanInProgress(const ScanInProgress&) = delete;
   ScanInProgress& operator=(const ScanInProgress&) = delete;
-  ~ScanInProgress() { bus_->scanning = false; }
+  ~ScanInProgress() { bus_->link().scanning = false; }
 
  private:
   std::shared_ptr<GatewayBus> bus_;
@@ -60,7 +60,7 @@ class ScanInProgress {
 boost::asio::awaitable<tmcl::Result<Found>> scan_one(std::shared_ptr<GatewayBus> bus,
                                                      tmcl::ScanOptions options,
                                                      std::shared_ptr<Peer> peer) {
-  if (bus->scanning) co_return tl::unexpected(scan_in_progress(*bus));
+  if (bus->link().scanning) co_return tl::unexpected(scan_in_progress(*bus));
   const ScanInProgress in_progress(bus);
   RunOptions run;
   run.objection = [peer]() -> std::optional<tmcl::Error> {

@@ -124,8 +124,6 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     co_return result;
   }
 
-  /// One scan at a time: set while one runs.
-  bool scanning = false;
   /// Axes of this bus are on paths. What can wait, waits then: see the poller.
   bool has_paths() const { return motors().claimed_by(ClaimKind::path) > 0; }
 

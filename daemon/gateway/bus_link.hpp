@@ -35,6 +35,8 @@ class BusLink {
   tmcl::BusCounters counters() const;
   /// What went over it lately.
   const TrafficLog& traffic() const { return *traffic_; }
+  /// One scan at a time: set while one runs.
+  bool scanning = false;
 
   /// Blocks meanwhile.
   tmcl::Result<tmcl::Link> open_now() const { return open_(config_); }

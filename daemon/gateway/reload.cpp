@@ -57,7 +57,7 @@ Objection objection_of_owners(const Gateway& gateway, const Buses& buses) {
   if (!buses.empty() && !gateway.uploads.empty())
     return "firmware is being uploaded to " + *gateway.uploads.begin() + ": wait for its end";
   for (const auto& bus : buses) {
-    if (bus->scanning) return "bus '" + bus->name() + "' is being scanned: wait for its end";
+    if (bus->link().scanning) return "bus '" + bus->name() + "' is being scanned: wait for its end";
     for (const auto& axis : gateway.all_axes()) {
       if (&axis->bus() != bus.get()) continue;
       if (auto objection = objection_of(gateway, *axis)) return objection;

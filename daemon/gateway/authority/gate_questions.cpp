@@ -28,7 +28,7 @@ Motors::Judgement Gate::judge(const tmcl::Request& request, Permit permit) const
 Gate::Script<void> Gate::may_send(tmcl::Request request, Permit permit, Asks asks) {
   std::optional<Motors::Judgement> asked;
   while (true) {
-    motors_.look_for_gap(bus_.clock().now());
+    motors_.arrivals()->gaps.look(bus_.clock().now());
     const auto it = judge(request, permit);
     if (it.verdict.ruling == Ruling::allow) co_return tmcl::Result<void>{};
     // What was asked about, and has not ended, refuses.

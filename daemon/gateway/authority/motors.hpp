@@ -154,9 +154,9 @@ class Motors {
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
 
-  /// To be called before judge(): what was asked for before the reactor stood still is stale.
+  /// Its gaps are looked for before judge(): what was asked for before the reactor stood still is
+  /// stale.
   const std::shared_ptr<Arrivals>& arrivals() const { return arrivals_; }
-  void look_for_gap(tmcl::TimePoint now) { arrivals_->gaps.look(now); }
 
   /// There is an axis: it can be claimed.
   void add(tmcl::AxisAddress motor, const std::string& axis, bool needs_reference = false);

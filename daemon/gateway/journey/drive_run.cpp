@@ -129,7 +129,7 @@ awaitable<void> DriveRun::answer(Drive& drive, DriveCommand command) {
 
 // Before the drive judges what it has read: after a gap its axes are where it did not expect them.
 void DriveRun::notice_stops(Drive& drive) const {
-  members_.front().axis->bus().motors().look_for_gap(now());
+  members_.front().axis->bus().motors().arrivals()->gaps.look(now());
   for (std::size_t i = 0; i < members_.size(); ++i) {
     auto stop = members_[i].movement.objection();
     if (!stop || (stop->code == tmcl::Errc::stale_request && runs_by_itself())) continue;

@@ -11,8 +11,6 @@ namespace tmcl::plan {
 namespace {
 
 using Part = RampObjection::Part;
-template <class T>
-using Wished = tl::expected<T, RampObjection>;
 
 std::string_view name_of(Part part) {
   switch (part) {
@@ -30,8 +28,10 @@ tl::unexpected<RampObjection> object(Part part, Error error) {
 }
 
 template <class Value>
-Wished<Value> in_pulses(Part part, const tmcl::Quantity& said, const AxisUnits& units,
-                        Result<Value> (*convert)(const tmcl::Quantity&, const AxisUnits&)) {
+tl::expected<Value, RampObjection> in_pulses(Part part, const tmcl::Quantity& said,
+                                             const AxisUnits& units,
+                                             Result<Value> (*convert)(const tmcl::Quantity&,
+                                                                      const AxisUnits&)) {
   const auto value = convert(said, units);
   if (!value) return object(part, value.error());
   if (value->value > 0) return *value;
@@ -53,10 +53,10 @@ class Planner {
     request_.jerk.reset();
   }
 
-  Wished<PlannedRamp> plan() {
+  tl::expected<PlannedRamp, RampObjection> plan() {
     return read_rates()
         .and_then([&] { return read_jerk(); })
-        .and_then([&]() -> Wished<PlannedRamp> {
+        .and_then([&]() -> tl::expected<PlannedRamp, RampObjection> {
           auto choice = choose_ramp(model_, request_, *units_.module);
           if (!choice) return tl::unexpected(too_far(choice.error()));
           PlannedRamp planned{std::move(*choice), {}};
@@ -70,7 +70,7 @@ class Planner {
     return wish_.deceleration ? *wish_.deceleration : wish_.acceleration;
   }
 
-  Wished<void> read_rates() {
+  tl::expected<void, RampObjection> read_rates() {
     const auto velocity =
         in_pulses<PulsesPerSecond>(Part::velocity, wish_.velocity, units_, to_pps);
     if (!velocity) return tl::unexpected(velocity.error());
@@ -90,7 +90,7 @@ class Planner {
     return {};
   }
 
-  Wished<void> read_jerk() {
+  tl::expected<void, RampObjection> read_jerk() {
     if (!wish_.jerk) return {};
     const auto part = wish_.jerk->bow ? Part::bow : Part::jerk;
     if (wish_.jerk->highest) {
@@ -108,7 +108,7 @@ class Planner {
   }
 
   /// What no bow keeps would be exceeded in silence.
-  Wished<void> refuse_jerk_out_of_reach(Part part) const {
+  tl::expected<void, RampObjection> refuse_jerk_out_of_reach(Part part) const {
     const auto fault = jerk_out_of_reach(model_, *request_.jerk);
     if (!fault) return {};
     if (std::isinf(fault->nearest)) {
