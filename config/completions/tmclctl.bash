@@ -13,7 +13,7 @@ _tmclctl_is_group() {
 
 _tmclctl() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
-  local verb=() where=() said=() generator="" arguments=0 i
+  local verb=() where=() said=() generator="" model="" arguments=0 i
   COMPREPLY=()
 
   # What stands before the cursor: how to reach the axes, the verb, and how many arguments it has.
@@ -23,8 +23,9 @@ _tmclctl() {
       --url | --token-file | --ca) where+=("${COMP_WORDS[i]}" "${COMP_WORDS[i+1]}"); ((i++)) ;;
       --role | --name) ((i++)) ;;
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
+      --model) model=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
-        --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
+        --sample | --until | --full-steps | --velocity | --acceleration | --show | --with | --pulse-div | --ramp-div | \
         --unit-mode | --microsteps | --screw-pitch | --units-per-revolution | --unit | --gear-ratio | --jerk | --deceleration | \
         --bow | --clock | --corner-jump | --microsteps-per-unit | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
         --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | --last | -w | --write | -r | --read | -o | --output)
@@ -62,6 +63,9 @@ _tmclctl() {
     --direct)
       mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ usb: can: tcp: auto" -- "$current")
       compopt -o nospace
+      return ;;
+    --show)
+      mapfile -t COMPREPLY < <(compgen -W "x,v x,v,a v,a v,a,j x,v,a,j" -- "$current")
       return ;;
     --model)
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words models)" -- "$current")
@@ -120,7 +124,12 @@ _tmclctl() {
         words=$(_tmclctl_words quantities)
         compopt -o nospace ;;
       "profile simulate":*)
-        if [[ $current == = || $previous == = ]]; then
+        if [[ -n $model ]]; then
+          # Its value may be in any unit.
+          [[ $current == = || $previous == = ]] && return
+          words=$(_tmclctl_words parameters | sed 's/$/=/')
+          compopt -o nospace
+        elif [[ $current == = || $previous == = ]]; then
           # Which register: it stands before the =.
           i=$((COMP_CWORD - 1))
           [[ $previous == = ]] && ((i--))

@@ -219,6 +219,94 @@ TEST(CtlSvg, HasBothCurvesAndStandsAlone) {
   EXPECT_THAT(svg, Not(HasSubstr("nan")));
 }
 
+Curve with_values(std::vector<double> times, std::vector<double> values) {
+  return {"velocity", "mm/s", std::move(times), std::move(values)};
+}
+
+TEST(CtlDerivative, OfALineIsItsSlope) {
+  std::vector<double> times, values;
+  for (int i = 0; i <= 100; ++i) {
+    times.push_back(i * 0.01);
+    values.push_back(3 - 2 * times.back());
+  }
+  const auto slopes = derivative(with_values(times, values), "acceleration", "mm/s^2", {});
+  EXPECT_EQ(slopes.times, times);
+  for (const double slope : slopes.values) EXPECT_NEAR(slope, -2, 1e-9);
+}
+
+// Whether the value at a break is that before or that after the jump.
+TEST(CtlDerivative, DoesNotSeeWhatJumpsAtABreak) {
+  for (const bool early : {false, true}) {
+    std::vector<double> times, values;
+    for (int i = 0; i <= 100; ++i) {
+      times.push_back(i * 0.01);
+      const bool is_behind = early ? i >= 40 : i > 40;
+      values.push_back(is_behind ? 7 - times.back() : times.back());
+    }
+    const auto slopes = derivative(with_values(times, values), "a", "", {0, 0.4});
+    ASSERT_EQ(slopes.times.size(), slopes.values.size());
+    for (std::size_t i = 0; i < slopes.times.size(); ++i) {
+      if (slopes.times[i] != 0.4) {
+        EXPECT_NEAR(slopes.values[i], slopes.times[i] < 0.4 ? 1 : -1, 1e-9) << slopes.times[i];
+      }
+    }
+    EXPECT_EQ(std::ranges::count(slopes.times, 0.4), 2);
+  }
+}
+
+TEST(CtlDerivative, OfFewPointsHasAsMany) {
+  for (std::size_t count = 0; count < 6; ++count) {
+    std::vector<double> times(count), values(count, 1);
+    for (std::size_t i = 0; i < count; ++i) times[i] = static_cast<double>(i);
+    for (const auto& breaks : {std::vector<double>{}, {0}, {0, 2}, {0, 1, 2, 3}, {-1, 9}}) {
+      const auto slopes = derivative(with_values(times, values), "a", "", breaks);
+      EXPECT_GE(slopes.values.size(), count);
+      EXPECT_TRUE(std::ranges::is_sorted(slopes.times));
+      EXPECT_THAT(slopes.values, testing::Each(0));
+    }
+  }
+}
+
+TEST(CtlTextPlot, PointsOutPhasesWhereThereIsRoom) {
+  auto recording = trapezoid();
+  recording.phases = {{0, "up"}, {0.5, "cruise"}, {1.49, "a long name"}, {1.5, "down"}};
+  const auto lines = lines_of(to_text(recording, screen(60)));
+  const auto found = std::ranges::find_if(
+      lines, [](const std::string& line) { return line.find("╷up") != std::string::npos; });
+  ASSERT_NE(found, lines.end());
+  EXPECT_THAT(*found, HasSubstr("╷cruise"));
+  EXPECT_THAT(*found, Not(HasSubstr("a long name")));
+  EXPECT_THAT(*found, HasSubstr("down"));
+  EXPECT_LE(columns_of(*found), 60U);
+  EXPECT_THAT(to_text(recording, screen(60, false)), HasSubstr("|cruise"));
+}
+
+TEST(CtlSvg, OtherMovementsHaveColoursOfTheirOwn) {
+  auto picture = picture_of(trapezoid());
+  picture.curves.front().overlays = {{"bow_max=0", {0, 4}, {0, 9e6}}, {"<2>", {0, 1}, {0, 1}}};
+  const auto svg = to_svg(picture);
+  EXPECT_THAT(svg, HasSubstr(">bow_max=0</text>"));
+  EXPECT_THAT(svg, HasSubstr(">&lt;2&gt;</text>"));
+  EXPECT_THAT(svg, HasSubstr("stroke=\"#c8413b\""));
+  EXPECT_THAT(svg, HasSubstr("stroke=\"#7a8b2a\""));
+  EXPECT_THAT(svg, HasSubstr(">4.0</text>")) << "all of them have room";
+}
+
+TEST(CtlShown, ChangesOfAVelocityHaveItsUnit) {
+  auto recording = trapezoid();
+  EXPECT_EQ(acceleration_curve(recording).unit, "internal/s");
+  EXPECT_EQ(jerk_curve(recording).unit, "internal/s^2");
+  use({tmcl::microsteps_scale(), {}}, recording);
+  EXPECT_EQ(acceleration_curve(recording).unit, "microsteps/s^2");
+  EXPECT_EQ(jerk_curve(recording).unit, "microsteps/s^3");
+  EXPECT_THAT(to_csv(recording, {Quantity::acceleration, Quantity::jerk}),
+              HasSubstr(",acceleration_microsteps_per_s2,jerk_microsteps_per_s3\n"));
+  const auto picture = picture_of(recording, {Quantity::jerk, Quantity::velocity});
+  ASSERT_EQ(picture.curves.size(), 2U);
+  EXPECT_EQ(picture.curves[0].name, "jerk");
+  EXPECT_EQ(picture.curves[1].name, "velocity");
+}
+
 TEST(CtlSvg, NamesCannotBreakIt) {
   auto recording = trapezoid();
   recording.axis = "<x> & \"y\"\x01";

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <random>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -591,6 +592,137 @@ TEST_F(CtlProfile, DrawsOnTheScreenAndIntoFiles) {
   EXPECT_THAT(svg, HasSubstr("<title>tmc429 went from 0 to 20000 microsteps"));
   EXPECT_THAT(svg, HasSubstr("class=\"curve velocity\""));
   EXPECT_THAT(complaint(move_429({"--svg", "/nowhere/at/all"})), HasSubstr("/nowhere/at/all"));
+}
+
+/// Rows of numbers below a line of names.
+std::vector<std::vector<double>> rows_of(const std::string& csv) {
+  std::vector<std::vector<double>> rows;
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    auto& row = rows.emplace_back();
+    std::istringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(std::stod(cell));
+  }
+  return rows;
+}
+
+// Each jerk is drawn in a phase; what jumps between phases is in none.
+TEST_F(CtlProfile, TheJerkAddsUpToTheAcceleration) {
+  const std::vector<Words> s_curves{
+      {"--generator", "tmc457", "v_max=5000000", "a_max=24624", "d_max=24624", "bow_max=7",
+       "x_target=10000"},
+      {"--generator", "tmc4361", "vmax=25600000", "amax=800000", "dmax=400000", "bow1=1000000",
+       "bow2=2000000", "bow3=500000", "bow4=400000", "xtarget=300000"}};
+  for (auto words : s_curves) {
+    words.insert(words.end(), {"--show", "a,j", "--csv", "0.0001"});
+    ASSERT_EQ(run(simulate(words)), ExitCode::done) << err;
+    EXPECT_TRUE(out.starts_with("t,a,j\n"));
+    double sum = 0;
+    double greatest = 0;
+    double farthest = 0;
+    for (const auto& row : rows_of(out)) {
+      farthest = std::max(farthest, std::abs(row.at(1) - sum));
+      greatest = std::max(greatest, std::abs(row.at(1)));
+      sum += row.at(2) * 0.0001;
+    }
+    EXPECT_GT(greatest, 1000) << words[1];
+    EXPECT_LT(farthest, 0.05 * greatest) << words[1];
+  }
+}
+
+// That of a TMC429 has: it slows down by a law of its own.
+TEST_F(CtlProfile, ATrapezoidHasNoJerk) {
+  const std::vector<Words> trapezoids{
+      {"--generator", "tmc457", "v_max=5000000", "a_max=24624", "d_max=20000", "bow_max=0",
+       "x_target=10000"},
+      {"--generator", "sixpoint", "vmax=268000", "amax=3000", "dmax=2000", "xtarget=51200"},
+      {"--generator", "mc1451a", "profile=trapezoidal", "velocity=65536", "acceleration=4000",
+       "position=100"}};
+  for (auto words : trapezoids) {
+    const std::string step = words[1] == "mc1451a" ? "1" : "0.001";
+    words.insert(words.end(), {"--show", "x,v,a,j", "--csv", step});
+    ASSERT_EQ(run(simulate(words)), ExitCode::done) << err;
+    EXPECT_TRUE(out.starts_with("t,x,v,a,j\n"));
+    EXPECT_GT(rows_of(out).size(), 50U) << words[1];
+    for (const auto& row : rows_of(out)) EXPECT_EQ(row.at(4), 0) << words[1] << ' ' << row[0];
+  }
+}
+
+TEST_F(CtlProfile, DrawsWhatIsAskedForWithItsPhases) {
+  EXPECT_EQ(run(move_429({"--show", "a,v"})), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("acceleration [internal]"));
+  EXPECT_LT(out.find("acceleration ["), out.find("velocity ["));
+  EXPECT_THAT(out, Not(HasSubstr("position [")));
+  EXPECT_THAT(out, HasSubstr("|"));
+  for (const auto* bad : {"", "q", "x,", "x,,v", "v,v", "position", "X"})
+    EXPECT_THAT(complaint(move_429({"--show", bad})), HasSubstr("--show")) << bad;
+}
+
+TEST_F(CtlProfile, AModelIsDrawnInTheUnitOfItsAxis) {
+  EXPECT_EQ(run(simulate({"--model", "TMCM-142", "--screw-pitch", "5", "max_velocity=20mm/s",
+                          "max_acceleration=200mm/s^2", "x_target=20mm", "--show", "x,v,a,j"})),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(out, HasSubstr("tmc457 went from 0 to 20 mm in 1.11 s, fastest velocity 19.99"));
+  for (const auto* unit : {"[mm]", "[mm/s]", "[mm/s^2]", "[mm/s^3]"})
+    EXPECT_THAT(out, HasSubstr(unit));
+}
+
+// What a register counts in is what the positions say that it is.
+TEST_F(CtlProfile, TheUnitsOfAModelAreThoseOfItsMovement) {
+  for (const auto* model : {"TMCM-1110", "TMCM-142", "TMCM-6212", "TMCM-1378"}) {
+    ASSERT_EQ(
+        run(simulate({"--model", model, "max_velocity=20000pps", "max_acceleration=40000pps/s",
+                      "target_position=30000", "--show", "v,a"})),
+        ExitCode::done)
+        << model << err;
+    const auto speed = out.find("fastest velocity ");
+    ASSERT_NE(speed, std::string::npos) << model;
+    EXPECT_NEAR(std::stod(out.substr(speed + 17)), 20000, 400) << model;
+    EXPECT_THAT(out, HasSubstr("acceleration [microsteps/s^2]"));
+    EXPECT_THAT(out, testing::ContainsRegex("-[24]0000 |-50000 ")) << model;
+  }
+}
+
+TEST_F(CtlProfile, ComparesProfilesInATableAndAPicture) {
+  const Words move{"--generator", "tmc457",     "v_max=5000000", "a_max=24624",
+                   "d_max=24624", "bow_max=11", "x_target=50000"};
+  auto words = move;
+  words.insert(words.end(), {"--with", "bow_max=0", "--with", "bow_max=14,v_max=4000000"});
+  ASSERT_EQ(run(simulate(words)), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("PROFILE"));
+  EXPECT_THAT(out, HasSubstr("as given"));
+  EXPECT_THAT(out, HasSubstr("\nbow_max=0 "));
+  EXPECT_THAT(out, HasSubstr("\nbow_max=14,v_max=4000000 "));
+
+  auto json = simulate(words);
+  json.insert(json.begin(), "--json");
+  ASSERT_EQ(run(json), ExitCode::done);
+  const auto together = boost::json::parse(out).as_object();
+  auto alone = simulate(move);
+  alone.insert(alone.begin(), "--json");
+  std::ranges::replace(alone, std::string("bow_max=11"), std::string("bow_max=0"));
+  ASSERT_EQ(run(alone), ExitCode::done);
+  const auto alone_document = boost::json::parse(out).as_object();
+  EXPECT_EQ(together.at("with").as_array().at(0).at("duration_s"), alone_document.at("duration_s"));
+  EXPECT_EQ(together.at("with").as_array().at(0).at("settings"), "bow_max=0");
+  EXPECT_NE(together.at("duration_s"), alone_document.at("duration_s"));
+
+  EXPECT_THAT(complaint(move_429({"--with", "vmin=1"})), HasSubstr("no register 'vmin'"));
+  EXPECT_THAT(complaint(move_429({"--with", "v_min=1", "--csv", "1"})),
+              HasSubstr("exclude each other"));
+  Words many;
+  for (int i = 0; i < 5; ++i) many.insert(many.end(), {"--with", "v_min=2"});
+  EXPECT_THAT(complaint(move_429(many)), HasSubstr("too many profiles"));
+}
+
+TEST_F(CtlProfile, OfASwingingMotorTheBeginningIsDrawn) {
+  const Words words{"--generator", "tmc429",   "v_max=276", "a_max=1",        "pulse_div=1",
+                    "ramp_div=5",  "pmul=223", "pdiv=0",    "x_target=13396", "last_step=r2"};
+  ASSERT_EQ(run(simulate(words)), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("it swings on: only the first 40 phases, "));
 }
 
 TEST_F(CtlProfile, NamesWhatIsWrong) {

@@ -13,6 +13,7 @@
 #include "axis/module_lists.hpp"
 #include "connection/gateway.hpp"
 #include "exit_code.hpp"
+#include "plot/shown.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "verb_info.hpp"
 
@@ -116,8 +117,9 @@ struct Plot {
   std::string to;  ///< Empty: none.
   std::string by;  ///< Empty: none.
   std::optional<double> for_s;
-  std::string svg;  ///< Empty: none.
-  std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
+  std::string svg;   ///< Empty: none.
+  std::string csv;   ///< Empty: none; "-": standard output instead of the drawing.
+  plot::Shown show;  ///< Empty: as usual.
   bool compare = false;
   bool internal = false;
 };
@@ -174,12 +176,16 @@ struct Simulate {
   std::vector<double> samples;
   std::optional<double> until;
   std::optional<double> csv_step;
-  std::string svg;  ///< Empty: none.
+  std::string svg;                ///< Empty: none.
+  plot::Shown show;               ///< Empty: as usual.
+  std::vector<std::string> with;  ///< Of each profile beside: REGISTER=VALUE,...
 };
 /// The whole of a trapezoid from some of its values.
 struct SolveProfile {
   std::vector<std::string> words;  ///< QUANTITY=VALUE[UNIT], or an assumption.
   std::string svg;                 ///< Empty: none.
+  plot::Shown show;                ///< Empty: as usual.
+  std::optional<double> csv_step;
 };
 /// A Mint program, run without axes.
 struct CheckMint {
@@ -198,7 +204,8 @@ struct CheckPath {
   double velocity = 100;
   double acceleration = 1000;
   std::optional<double> feed, corner_jump;
-  std::string svg;  ///< Empty: none.
+  std::string svg;   ///< Empty: none.
+  plot::Shown show;  ///< Empty: the path is not drawn on the screen.
   bool legs = false;
   std::optional<double> microsteps_per_unit;
   double clock_hz = 16e6;

@@ -109,6 +109,20 @@ json::array leg_table(const tmcl::plan::Course& course, const std::vector<std::s
   return legs;
 }
 
+std::vector<plot::Mark> phases_of(const tmcl::plan::Course& course) {
+  constexpr std::size_t most_marked_legs = 4;
+  std::vector<plot::Mark> phases;
+  for (std::size_t i = 0; i < course.legs() && course.legs() <= most_marked_legs; ++i) {
+    const auto leg = course.leg(i);
+    for (const auto& [time, name] : {std::pair{leg.begin, "T1"},
+                                     {leg.begin + leg.up, "T2"},
+                                     {leg.end - leg.down, "T3"},
+                                     {leg.end, "T4"}})
+      phases.push_back({time, name});
+  }
+  return phases;
+}
+
 void print_legs(const json::array& legs, Output& output) {
   output.out << '\n';
   if (legs.empty()) {

@@ -9,6 +9,7 @@
 #include <boost/json/array.hpp>
 
 #include "output/screen.hpp"
+#include "plot/curve.hpp"
 #include "tmcl/plan/course.hpp"
 
 namespace tmclctl::path {
@@ -27,5 +28,8 @@ boost::json::array leg_table(const tmcl::plan::Course& course, const std::vector
 void print_legs(const boost::json::array& legs, Output& output);
 /// Of ramps that are beyond the registers: the first of each axis, and what would do.
 std::vector<std::string> beyond_registers(const boost::json::array& legs, const ChipScale& scale);
+
+/// T1 to T4 of each leg, where there are few; nothing otherwise.
+std::vector<plot::Mark> phases_of(const tmcl::plan::Course& course);
 
 }  // namespace tmclctl::path

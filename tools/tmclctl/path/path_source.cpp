@@ -9,6 +9,7 @@
 #include "output/output_file.hpp"
 #include "output/print.hpp"
 #include "plot/plane.hpp"
+#include "plot/text_plot.hpp"
 #include "tmcl/plain_number.hpp"
 
 namespace tmclctl::path {
@@ -21,26 +22,58 @@ using api::path::Curve;
 
 std::string figure(double number, int digits = 6) { return tmcl::plain_number(number, digits); }
 
-std::string to_svg(const std::string& file, const Course& course, const Curve& curve) {
+plot::Curve curve_of(plot::Quantity quantity, const plot::Curve& position,
+                     const std::vector<double>& breaks) {
+  if (quantity == plot::Quantity::position) return position;
+  const auto& axis = position.unit;
+  auto velocity = plot::derivative(position, "velocity", axis + "/s", breaks);
+  if (quantity == plot::Quantity::velocity) return velocity;
+  auto acceleration = plot::derivative(velocity, "acceleration", axis + "/s^2", breaks);
+  if (quantity == plot::Quantity::acceleration) return acceleration;
+  return plot::derivative(acceleration, "jerk", axis + "/s^3", breaks);
+}
+
+/// The slowest corners, each by its line.
+std::vector<plot::Mark> marks_of(const Course& course) {
+  std::vector<plot::Mark> marks;
+  for (const auto& corner : course.slowest_corners)
+    marks.push_back({corner.time_s, fmt::format("line {}", corner.line)});
+  std::ranges::sort(marks, {}, &plot::Mark::time);
+  return marks;
+}
+
+plot::Picture picture_of(const Course& course, const Curve& curve, const Drawn& drawn) {
+  plot::Picture picture{"", "s", {}, drawn.phases.empty() ? marks_of(course) : drawn.phases};
+  std::vector<double> breaks;
+  for (const auto& phase : drawn.phases) breaks.push_back(phase.time);
+  const auto points = std::min(curve.times_s.size(), curve.positions.size());
+  for (std::size_t axis = 0; axis < course.axes.size(); ++axis) {
+    plot::Curve position{"position", course.axes[axis].axis, curve.times_s, {}};
+    position.times.resize(points);
+    for (std::size_t i = 0; i < points; ++i) position.values.push_back(curve.positions[i].at(axis));
+    for (const auto quantity : drawn.shown)
+      picture.curves.push_back(curve_of(quantity, position, breaks));
+  }
+  return picture;
+}
+
+std::string title(const std::string& file, const Course& course) {
+  return fmt::format("{}: {} units in {} s", file, figure(course.length),
+                     figure(course.duration_s));
+}
+
+std::string to_svg(const std::string& file, const Course& course, const Curve& curve,
+                   const Drawn& drawn) {
   const auto& axes = course.axes;
   const std::size_t second = std::min<std::size_t>(1, axes.size() - 1);
-  plot::Plane plane{
-      fmt::format("{}: {} units in {} s", file, figure(course.length), figure(course.duration_s)),
-      axes[0].axis,
-      axes[second].axis,
-      {},
-      {}};
-  plot::Picture picture{"", "s", {}, {}};
-  for (const auto& axis : axes) picture.curves.push_back({"position", axis.axis, {}, {}});
-  for (std::size_t i = 0; i < std::min(curve.times_s.size(), curve.positions.size()); ++i) {
-    const auto& position = curve.positions[i];
+  plot::Plane plane{title(file, course), axes[0].axis, axes[second].axis, {}, {}};
+  for (const auto& position : curve.positions) {
     plane.planned.x.push_back(position.at(0));
     plane.planned.y.push_back(position.at(second));
-    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-      picture.curves[axis].times.push_back(curve.times_s[i]);
-      picture.curves[axis].values.push_back(position.at(axis));
-    }
   }
+  if (!drawn.shown.empty()) return plot::to_svg(plane, picture_of(course, curve, drawn));
+  auto picture = picture_of(course, curve, {{plot::Quantity::position}, {}});
+  picture.marks.clear();
   return plot::to_svg(plane, picture);
 }
 
@@ -105,9 +138,16 @@ void print(const std::string& file, const Course& course, Output& output) {
 }
 
 Result<void> draw(const std::string& svg_path, const std::string& file, const Course& course,
-                  const Curve& curve) {
+                  const Curve& curve, const Drawn& drawn) {
   OutputFile svg;
-  return svg.open(svg_path).and_then([&] { return svg.write(to_svg(file, course, curve)); });
+  return svg.open(svg_path).and_then([&] { return svg.write(to_svg(file, course, curve, drawn)); });
+}
+
+std::string drawing(const std::string& file, const Course& course, const Curve& curve,
+                    const Drawn& drawn, const Screen& screen) {
+  auto picture = picture_of(course, curve, drawn);
+  picture.title = title(file, course);
+  return plot::to_text(picture, screen);
 }
 
 }  // namespace tmclctl::path

@@ -6,6 +6,8 @@
 #include "connection/staging.hpp"
 #include "output/errors.hpp"
 #include "output/screen.hpp"
+#include "plot/curve.hpp"
+#include "plot/shown.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
@@ -39,8 +41,17 @@ Report part_done(const Error& error) {
 
 /// How long a path is and takes, where it goes.
 void print(const std::string& file, const tmcl::api::path::Course& course, Output& output);
-/// Draws the path, x over y, above the positions of all axes over time.
+/// What is drawn of the axes over time.
+struct Drawn {
+  plot::Shown shown{};               ///< Empty: their positions, and only in a file.
+  std::vector<plot::Mark> phases{};  ///< Of the legs; without them the slowest corners are marked.
+};
+/// Draws the path, x over y, above its axes over time.
 Result<void> draw(const std::string& svg_path, const std::string& file,
-                  const tmcl::api::path::Course& course, const tmcl::api::path::Curve& curve);
+                  const tmcl::api::path::Course& course, const tmcl::api::path::Curve& curve,
+                  const Drawn& drawn = {});
+/// What is shown of all axes, in characters.
+std::string drawing(const std::string& file, const tmcl::api::path::Course& course,
+                    const tmcl::api::path::Curve& curve, const Drawn& drawn, const Screen& screen);
 
 }  // namespace tmclctl::path

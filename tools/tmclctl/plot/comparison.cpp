@@ -109,17 +109,17 @@ std::string summary(const Comparison& comparison, const Recording& recording) {
       comparison.largest_at);
 }
 
-Picture picture_of(const Recording& recording, const Comparison& comparison) {
-  auto picture = picture_of(recording);
+Picture picture_of(const Recording& recording, const Comparison& comparison, const Shown& shown) {
+  auto picture = picture_of(recording, shown);
   picture.title += "; " + summary(comparison, recording);
-  const auto shown = [&](std::vector<double> microsteps) {
+  const auto in_unit = [&](std::vector<double> microsteps) {
     for (auto& value : microsteps) value = shown_position(value, recording);
     return microsteps;
   };
-  auto& position = picture.curves.front();
-  position.planned = shown(comparison.planned);
-  picture.curves.push_back(
-      {"difference", recording.position_unit, position.times, shown(comparison.difference), {}});
+  const auto position = std::ranges::find(picture.curves, "position", &Curve::name);
+  if (position != picture.curves.end()) position->planned = in_unit(comparison.planned);
+  picture.curves.push_back({"difference", recording.position_unit, position_curve(recording).times,
+                            in_unit(comparison.difference)});
   return picture;
 }
 

@@ -31,6 +31,7 @@ Comparison compare(const Recording& recording, const tmcl::plan::AxisTwin& twin,
 /// "the axis was at most 12 microsteps off its plan, at 0.43 s"; in the unit that is drawn in.
 std::string summary(const Comparison& comparison, const Recording& recording);
 /// The recording's picture with the plan drawn into it, and the difference below.
-Picture picture_of(const Recording& recording, const Comparison& comparison);
+Picture picture_of(const Recording& recording, const Comparison& comparison,
+                   const Shown& shown = {});
 
 }  // namespace tmclctl::plot

@@ -4,15 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "plot/curve.hpp"
 #include "plot/recording.hpp"
+#include "plot/shown.hpp"
 
 namespace tmclctl::plot {
-
-/// A time that is pointed out.
-struct Mark {
-  double time;
-  std::string label;
-};
 
 /// Curves over the same time, one above the other.
 struct Picture {
@@ -23,7 +19,7 @@ struct Picture {
   std::vector<Mark> marks;    ///< Ascending by time.
 };
 
-/// Position above velocity.
-Picture picture_of(const Recording& recording);
+/// From top to bottom; as usual if nothing is asked for.
+Picture picture_of(const Recording& recording, const Shown& shown = {});
 
 }  // namespace tmclctl::plot

@@ -13,11 +13,11 @@
 namespace tmclctl::plot {
 namespace {
 
-using Shown = double (*)(double recorded, const Recording&);
+using Converts = double (*)(double recorded, const Recording&);
 
 Curve curve(const Recording& recording, std::string name, std::string unit,
-            std::int64_t Sample::*value, Shown shown) {
-  Curve made{std::move(name), std::move(unit), {}, {}, {}};
+            std::int64_t Sample::*value, Converts shown) {
+  Curve made{std::move(name), std::move(unit), {}, {}};
   for (const auto& sample : recording.samples) {
     made.times.push_back(sample.time);
     made.values.push_back(shown(static_cast<double>(sample.*value), recording));
@@ -31,6 +31,38 @@ double position_of(const Sample& sample, const Recording& recording) {
 
 double velocity_of(const Sample& sample, const Recording& recording) {
   return shown_velocity(static_cast<double>(sample.velocity), recording);
+}
+
+/// "mm/s^2" behind a velocity in mm/s.
+std::string change_of(const std::string& unit, int order, const Recording& recording) {
+  const auto per = '/' + recording.time_unit;
+  const auto of = unit.ends_with(per) ? unit.substr(0, unit.size() - per.size()) : unit;
+  const auto power = of == unit ? order : order + 1;
+  return of + per + (power > 1 ? '^' + std::to_string(power) : "");
+}
+
+std::vector<double> breaks_of(const Recording& recording) {
+  std::vector<double> breaks;
+  for (const auto& phase : recording.phases) breaks.push_back(phase.time);
+  return breaks;
+}
+
+/// "acceleration_mm_per_s2"
+std::string column_of(const Curve& curve) {
+  auto name = curve.name + '_' + curve.unit;
+  std::erase(name, '^');
+  const auto slash = name.find('/');
+  return slash == std::string::npos ? name : name.replace(slash, 1, "_per_");
+}
+
+bool knows_accelerations(const Recording& recording) {
+  return !recording.samples.empty() && recording.samples.front().acceleration;
+}
+
+double shown_acceleration(double recorded, const Recording& recording) {
+  if (!recording.user) return recorded;
+  const auto pps2 = recorded * recording.user->module.acceleration.value;
+  return to_user(tmcl::PulsesPerSecond2{pps2}, recording.user->scale).value;
 }
 
 }  // namespace
@@ -61,6 +93,27 @@ Curve velocity_curve(const Recording& recording) {
   return curve(recording, "velocity", recording.velocity_unit, &Sample::velocity, shown_velocity);
 }
 
+Curve acceleration_curve(const Recording& recording) {
+  const auto unit = change_of(recording.velocity_unit, 1, recording);
+  if (!knows_accelerations(recording))
+    return derivative(velocity_curve(recording), "acceleration", unit, breaks_of(recording));
+  // What a chip counts accelerations in is no velocity a second.
+  Curve made{"acceleration", recording.user ? unit : recording.velocity_unit, {}, {}};
+  for (const auto& sample : recording.samples) {
+    made.times.push_back(sample.time);
+    made.values.push_back(shown_acceleration(static_cast<double>(*sample.acceleration), recording));
+  }
+  return made;
+}
+
+Curve jerk_curve(const Recording& recording) {
+  const auto acceleration = acceleration_curve(recording);
+  const bool counts = knows_accelerations(recording) && !recording.user;
+  return derivative(acceleration, "jerk",
+                    change_of(recording.velocity_unit, counts ? 1 : 2, recording),
+                    breaks_of(recording));
+}
+
 std::string summary(const Recording& recording) {
   if (recording.samples.empty()) return fmt::format("{}: nothing was recorded", recording.axis);
   const auto& first = recording.samples.front();
@@ -78,18 +131,25 @@ std::string summary(const Recording& recording) {
       recording.user ? recording.velocity_unit : '[' + recording.velocity_unit + ']');
 }
 
-std::string to_csv(const Recording& recording) {
+std::string to_csv(const Recording& recording, const Shown& shown) {
+  std::vector<Curve> changes;
+  if (std::ranges::count(shown, Quantity::acceleration) > 0)
+    changes.push_back(acceleration_curve(recording));
+  if (std::ranges::count(shown, Quantity::jerk) > 0) changes.push_back(jerk_curve(recording));
   std::string text = "time_s,position_microsteps,velocity_internal";
   if (const auto& user = recording.user)
     text += fmt::format(",position_{0},velocity_{0}_per_s", user->scale.unit);
+  for (const auto& curve : changes) text += ',' + column_of(curve);
   text += recording.begin_utc ? ",utc\n" : "\n";
-  for (const auto& sample : recording.samples) {
+  for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+    const auto& sample = recording.samples[i];
     auto end = std::back_inserter(text);
     fmt::format_to(end, "{:.6f},{},{}", sample.time, sample.position, sample.velocity);
     if (recording.user) {
       fmt::format_to(end, ",{},{}", tmcl::plain_number(position_of(sample, recording), 12),
                      tmcl::plain_number(velocity_of(sample, recording), 12));
     }
+    for (const auto& curve : changes) text += ',' + tmcl::plain_number(curve.values[i], 6);
     if (recording.begin_utc) {
       const auto time = std::chrono::duration<double>(sample.time);
       text += ',' + tmcl::to_text(*recording.begin_utc + std::chrono::round<tmcl::Duration>(time));

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "plot/curve.hpp"
+#include "plot/shown.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/conversion.hpp"
 
@@ -16,6 +18,7 @@ struct Sample {
   std::int64_t position = 0;
   std::int64_t velocity = 0;
   double took = 0;  ///< To read it: it is of some instant between `time` and `took` later.
+  std::optional<std::int64_t> acceleration{};  ///< Of a generator; of all samples, or of none.
 };
 
 /// What an axis that has a unit of its own is drawn in.
@@ -33,6 +36,7 @@ struct Recording {
   std::optional<UserUnit> user{};  ///< Nothing: it is drawn in what it was recorded in.
   /// What the time of day was at 0 s; nothing if that is unknown.
   std::optional<tmcl::UtcTime> begin_utc{};
+  std::vector<Mark> phases{};  ///< Where each begins, if that is known.
 };
 
 /// Draws it in the unit of its axis from now on.
@@ -42,18 +46,12 @@ void use(UserUnit unit, Recording& recording);
 double shown_position(double recorded, const Recording& recording);
 double shown_velocity(double recorded, const Recording& recording);
 
-/// One curve of a recording.
-struct Curve {
-  std::string name;
-  std::string unit;
-  std::vector<double> times;
-  std::vector<double> values;
-  std::vector<double> planned{};  ///< What the values should have been; may be empty.
-  std::string colour_of{};        ///< Drawn like the curve of this name; empty: like its own.
-};
-
 Curve position_curve(const Recording& recording);
 Curve velocity_curve(const Recording& recording);
+/// What was not recorded is how fast the velocity changes.
+Curve acceleration_curve(const Recording& recording);
+/// How fast the acceleration changes in each phase. Where it jumps, there is no jerk to draw.
+Curve jerk_curve(const Recording& recording);
 
 /// "x went from 0 to 51200 microsteps in 3.42 s, fastest velocity 1000 [internal]"; to the left it
 /// is below 0.
@@ -61,7 +59,7 @@ std::string summary(const Recording& recording);
 
 /// A line of column names, and one line for each sample; of a recording in the usual units. What is
 /// drawn in the unit of the axis has two more columns with that, and the last one is the time of
-/// day if that is known.
-std::string to_csv(const Recording& recording);
+/// day if that is known. Before it are acceleration and jerk if they are shown.
+std::string to_csv(const Recording& recording, const Shown& shown = {});
 
 }  // namespace tmclctl::plot

@@ -1,6 +1,8 @@
 #include "plot/svg_plot.hpp"
 
+#include <array>
 #include <iterator>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -21,17 +23,27 @@ constexpr double panel_distance = 235;
 constexpr double below_panels = 56;  // the times
 // The curve keeps clear of the frame.
 constexpr double padding = 8;
+// As far from white as from black, and not those of the curves.
+constexpr std::array<const char*, most_overlays> overlay_colours{"#c8413b", "#7a8b2a", "#b04f8f",
+                                                                 "#808080"};
 constexpr int value_ticks = 5;
 constexpr int time_ticks = 8;
 
 class Panel {
  public:
   Panel(const Curve& curve, const Scale& time, double top)
-      : curve_(curve), time_(time), values_(curve.values, value_ticks), top_(top) {}
+      : curve_(curve), time_(time), values_(all_values(curve), value_ticks), top_(top) {}
 
   std::string text() const {
-    auto text = frame() + value_axis() + time_grid() + name() + polyline(curve_.values, colour());
-    if (!curve_.planned.empty()) text += polyline(curve_.planned, "planned");
+    auto text = frame() + value_axis() + time_grid() + name();
+    text += polyline(curve_.times, curve_.values, "class=\"curve " + colour() + '"');
+    if (!curve_.planned.empty())
+      text += polyline(curve_.times, curve_.planned, "class=\"curve planned\"");
+    for (std::size_t i = 0; i < curve_.overlays.size(); ++i) {
+      const auto& other = curve_.overlays[i];
+      text += polyline(other.times, other.values,
+                       fmt::format("class=\"curve\" stroke=\"{}\"", overlay_colours.at(i)));
+    }
     return text;
   }
 
@@ -56,6 +68,21 @@ class Panel {
       text += fmt::format("  <text x=\"{:.1f}\" y=\"{}\">{}</text>\n", x, top_ - 24,
                           escape_xml(mark.label));
       taken_to = x + character_width * static_cast<double>(mark.label.size());
+    }
+    return text;
+  }
+
+  /// What is drawn with the curve, each in its own colour.
+  std::string overlay_labels() const {
+    constexpr double character_width = 8;
+    double x = plot_left + character_width * static_cast<double>(curve_.name.size() + 16);
+    std::string text;
+    for (std::size_t i = 0; i < curve_.overlays.size(); ++i) {
+      const auto& label = curve_.overlays[i].label;
+      text +=
+          fmt::format("  <text class=\"name\" style=\"fill: {}\" x=\"{:.1f}\" y=\"{}\">{}</text>\n",
+                      overlay_colours.at(i), x, top_ - 8, escape_xml(label));
+      x += character_width * static_cast<double>(label.size() + 2);
     }
     return text;
   }
@@ -117,13 +144,14 @@ class Panel {
     return text;
   }
 
-  std::string polyline(const std::vector<double>& values, const std::string& name) const {
+  std::string polyline(std::span<const double> times, std::span<const double> values,
+                       const std::string& attributes) const {
     std::string points;
     for (std::size_t i = 0; i < values.size(); ++i) {
       fmt::format_to(std::back_inserter(points), "{}{:.2f},{:.2f}", i == 0 ? "" : " ",
-                     x_of(curve_.times[i]), y_of(values[i]));
+                     x_of(times[i]), y_of(values[i]));
     }
-    return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n", name, points);
+    return fmt::format("  <polyline {} points=\"{}\"/>\n", attributes, points);
   }
 
   const Curve& curve_;
@@ -144,13 +172,14 @@ double svg_height(const Picture& picture) {
 }
 
 std::string to_svg(const Picture& picture) {
-  const Scale time(picture.curves.front().times, time_ticks);
+  const Scale time(all_times(picture.curves.front()), time_ticks);
   double top = first_panel(picture);
   std::string svg;
   for (const auto& curve : picture.curves) {
     const Panel panel(curve, time, top);
     svg += panel.text() + panel.marks(picture.marks);
-    if (&curve == &picture.curves.front()) svg += panel.mark_labels(picture.marks);
+    if (&curve == &picture.curves.front())
+      svg += panel.mark_labels(picture.marks) + panel.overlay_labels();
     if (&curve == &picture.curves.back()) svg += panel.time_labels(picture.time_unit);
     top += panel_distance;
   }

@@ -23,11 +23,12 @@ struct Strokes {
   const char* corner;
   const char* floor;
   const char* floor_tick;
+  const char* mark;
 };
-constexpr Strokes lines{"│", "┤", "└", "─", "┬"};
-constexpr Strokes ascii_lines{"|", "+", "+", "-", "+"};
+constexpr Strokes lines{"│", "┤", "└", "─", "┬", "╷"};
+constexpr Strokes ascii_lines{"|", "+", "+", "-", "+", "|"};
 
-constexpr const char* curve_colours[] = {"36", "33"};
+constexpr const char* curve_colours[] = {"36", "33", "32", "35"};
 constexpr const char* frame_colour = "2";
 
 int dot_of(double fraction, int dots) {
@@ -38,7 +39,7 @@ class TextPanel {
  public:
   TextPanel(const Curve& curve, const Scale& time, const Screen& screen, int label_width)
       : time_(time),
-        values_(curve.values, text_value_ticks),
+        values_(all_values(curve), text_value_ticks),
         screen_(screen),
         label_width_(label_width),
         canvas_(std::min(screen.width, widest_plot) - label_width - 2, panel_rows, screen.utf8) {
@@ -61,12 +62,30 @@ class TextPanel {
     return text + floor();
   }
 
+  /// A stroke for each mark, and what it says where there is room before the next.
+  std::string mark_labels(const std::vector<Mark>& marks) const {
+    std::string text;
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < marks.size(); ++i) {
+      const auto begin = place_of(marks[i].time);
+      const bool hides_next = i + 1 < marks.size() && place_of(marks[i + 1].time) == begin;
+      if (begin < end || hides_next) continue;
+      text += std::string(begin - end, ' ') + strokes().mark;
+      end = begin + 1;
+      const auto room = i + 1 < marks.size() ? place_of(marks[i + 1].time) : full_width();
+      if (end + marks[i].label.size() >= room) continue;
+      text += marks[i].label;
+      end += marks[i].label.size();
+    }
+    return text + '\n';
+  }
+
   /// The times under the floor.
   std::string time_labels(const std::string& unit) const {
     std::string text;
     for (const double tick : time_.ticks()) {
       const auto label = time_.label(tick);
-      const auto middle = static_cast<std::size_t>(label_width_ + 2 + column_of(tick));
+      const auto middle = place_of(tick);
       const auto begin = middle - std::min(middle, label.size() / 2);
       // The last one leaves room for the unit.
       if (begin < text.size() || begin + label.size() + 1 + unit.size() > full_width()) continue;
@@ -83,12 +102,18 @@ class TextPanel {
   int x_of(double time) const { return dot_of(time_.fraction(time), canvas_.width()); }
   int y_of(double value) const { return dot_of(1 - values_.fraction(value), canvas_.height()); }
   int column_of(double time) const { return x_of(time) * canvas_.columns() / canvas_.width(); }
+  std::size_t place_of(double time) const {
+    return static_cast<std::size_t>(label_width_ + 2 + column_of(time));
+  }
 
   void draw(const Curve& curve) {
-    for (std::size_t i = 0; i < curve.values.size(); ++i) {
+    draw(curve.times, curve.values);
+    for (const auto& other : curve.overlays) draw(other.times, other.values);
+  }
+  void draw(const std::vector<double>& times, const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
       const auto before = i == 0 ? 0 : i - 1;
-      canvas_.line(x_of(curve.times[before]), y_of(curve.values[before]), x_of(curve.times[i]),
-                   y_of(curve.values[i]));
+      canvas_.line(x_of(times[before]), y_of(values[before]), x_of(times[i]), y_of(values[i]));
     }
   }
 
@@ -115,7 +140,7 @@ class TextPanel {
 };
 
 int label_width(const Curve& curve) {
-  const Scale scale(curve.values, text_value_ticks);
+  const Scale scale(all_values(curve), text_value_ticks);
   std::size_t width = 0;
   for (const double tick : scale.ticks()) width = std::max(width, scale.label(tick).size());
   return static_cast<int>(width);
@@ -131,12 +156,14 @@ std::string to_text(const Picture& picture, const Screen& screen) {
   int labels = 0;
   for (const auto& curve : picture.curves) labels = std::max(labels, label_width(curve));
   const int columns = std::min(screen.width, widest_plot);
-  const Scale time(picture.curves.front().times, std::max(2, columns / columns_per_time_tick));
+  const Scale time(all_times(picture.curves.front()), std::max(2, columns / columns_per_time_tick));
   auto text = picture.title + "\n\n";
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const auto& curve = picture.curves[i];
     const TextPanel panel(curve, time, screen, labels);
-    text += heading(curve, labels + 2) + panel.text(curve_colours[i % std::size(curve_colours)]);
+    text += heading(curve, labels + 2);
+    if (i == 0 && !picture.marks.empty()) text += panel.mark_labels(picture.marks);
+    text += panel.text(curve_colours[i % std::size(curve_colours)]);
     if (&curve == &picture.curves.back()) text += panel.time_labels(picture.time_unit);
   }
   return text;

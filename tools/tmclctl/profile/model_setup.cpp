@@ -42,6 +42,11 @@ class ModelReader {
   }
 
   const RampRegisters& registers() const { return registers_; }
+  /// What the chip counts in, and the unit of the axis; microsteps if it has none.
+  plot::UserUnit drawn_unit() const {
+    return {units_.limits_scale(),
+            {{in_microsteps(ap::max_velocity)}, {in_microsteps(ap::max_acceleration)}}};
+  }
   const tmcl::AxisUnits& units() const { return units_; }
 
   Result<Assignment> split(const std::string& words) const {
@@ -83,6 +88,11 @@ class ModelReader {
   }
 
  private:
+  /// What the register of the parameter counts in.
+  double in_microsteps(std::uint8_t number) const {
+    return registers_.in_microsteps(*find_parameter(units_.parameters(), number), 1,
+                                    *units_.module);
+  }
   static Error of_words(const Assignment& assignment, Error error) {
     error.message = assignment.words + ": " + error.message;
     return error;
@@ -228,6 +238,7 @@ Result<Setup> read_model_setup(const verb::Simulate& verb) {
     return tl::unexpected(read.error());
   if (const auto read = read_changes(reader, verb, setup); !read)
     return tl::unexpected(read.error());
+  setup.user = reader.drawn_unit();
   setup.script.said = names_of(reader.registers(), setup.parameters);
   return setup;
 }

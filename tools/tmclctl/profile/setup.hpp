@@ -2,6 +2,7 @@
 #pragma once
 
 #include "command_line/options.hpp"
+#include "plot/recording.hpp"
 #include "profile/generators.hpp"
 
 namespace tmclctl::profile {
@@ -22,6 +23,8 @@ struct Setup {
   double ticks_per_second;  ///< Or in a cycle, as the generator's time_unit says.
   Script script;
   std::vector<GivenParameter> parameters{};  ///< Of a module, as they were given.
+  /// What its curves are drawn in, and what the chip counts in; nothing: they are drawn in that.
+  std::optional<plot::UserUnit> user{};
 
   /// Not before which tick this time is.
   Tick tick_at(double time) const;

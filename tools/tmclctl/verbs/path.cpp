@@ -35,9 +35,10 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   const auto course = tmcld::view_of(*planned, source->path.axes);
+  const auto curve = tmcld::curve_of(*planned, tmcl::api::path::most_curve_points);
+  const path::Drawn drawing{verb.show, path::phases_of(*planned)};
   if (!verb.svg.empty()) {
-    const auto curve = tmcld::curve_of(*planned, tmcl::api::path::most_curve_points);
-    if (const auto drawn = path::draw(verb.svg, verb.file, course, curve); !drawn)
+    if (const auto drawn = path::draw(verb.svg, verb.file, course, curve, drawing); !drawn)
       return tl::unexpected(drawn.error());
   }
   boost::json::array legs;
@@ -53,6 +54,8 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   } else {
     path::print(verb.file, course, output);
     if (verb.legs) path::print_legs(legs, output);
+    if (!verb.show.empty() && verb.svg.empty())
+      output.out << '\n' << path::drawing(verb.file, course, curve, drawing, output.out_screen);
   }
   return ExitCode::done;
 }
@@ -69,6 +72,8 @@ and says how long it is and takes, where it goes, and where it is slowest. Lengt
 the file; G-code's are mm (deg for A B C). Where X, Y or Z moves, the length is theirs, and A B C go
 along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems.
 
+--show draws the axes over time, on the screen or below the path in --svg, with T1 to T4 of each leg or,
+where there are more than four, with the slowest corners.
 --legs says for each leg when it begins (T1), has its speed (T2), slows down (T3) and ends (T4), and the
 ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
 With --microsteps-per-unit the ramps come in microsteps as well, and as the registers of a TMC5130,
@@ -77,6 +82,7 @@ register is a warning with the number that would do.
 
   tmclctl path check part.ngc --velocity 20 --acceleration 500
   tmclctl path check part.csv --svg part.svg
+  tmclctl path check part.ngc --show v,a
   tmclctl path check part.ngc --legs --microsteps-per-unit 10240
   tmclctl --json path check part.ngc
 )";
@@ -99,6 +105,7 @@ Form add_path(Grammar& grammar) {
   check.option("--corner-jump", "UNITS",
                "By how much an axis may change its speed at once in a corner, a second",
                number(check->corner_jump, least_of_path, most_of_path));
+  plot::add_show(check, check->show);
   check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
              check->legs);
   check.option("--microsteps-per-unit", "NUMBER",

@@ -189,7 +189,7 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
 void show(const verb::Plot& verb, const plot::Recording& recording, const plot::Picture& picture,
           Output& output) {
   if (verb.csv == "-") {
-    output.out << plot::to_csv(recording);
+    output.out << plot::to_csv(recording, verb.show);
   } else {
     output.out << plot::to_text(picture, output.out_screen);
   }
@@ -211,11 +211,11 @@ Result<ExitCode> run(const verb::Plot& verb, Context& context) {
   // A move that was refused has been seen once, where it did not begin.
   const bool began = !failure || recording.samples.size() > 1;
   if (began && !recording.samples.empty()) {
-    const auto picture =
-        comparison ? plot::picture_of(recording, *comparison) : plot::picture_of(recording);
+    const auto picture = comparison ? plot::picture_of(recording, *comparison, verb.show)
+                                    : plot::picture_of(recording, verb.show);
     if (auto written = svg.write(plot::to_svg(picture)); !written)
       return tl::unexpected(written.error());
-    if (auto written = csv.write(plot::to_csv(recording)); !written)
+    if (auto written = csv.write(plot::to_csv(recording, verb.show)); !written)
       return tl::unexpected(written.error());
     if (!context.output.json) show(verb, recording, picture, context.output);
   }
@@ -225,7 +225,8 @@ Result<ExitCode> run(const verb::Plot& verb, Context& context) {
 }
 
 constexpr const char* plot_help = R"(
-Records position and velocity, and draws both over time. With --to or --by it starts that move and
+Records position and velocity, and draws both over time, or what --show names: acceleration and jerk
+are how fast the recorded velocity changes, as rough as that is, and columns of the CSV then. With --to or --by it starts that move and
 records until the axis stands; otherwise it records until the axis stands, or for the time that
 --for gives. Ctrl-C ends the recording, not the move, and draws what there is. An axis with a unit is
 drawn in that, and its CSV has two columns more.
@@ -235,6 +236,7 @@ how much the two differ: beyond what the time can explain that command and readi
 
   tmclctl plot x --by 51200
   tmclctl plot x --by 51200 --compare
+  tmclctl plot x --by 51200 --show v,a
   tmclctl plot x --to 0 --svg move.svg --csv move.csv
   tmclctl rotate x 500 --unattended; tmclctl plot x --for 3
   tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
@@ -254,6 +256,7 @@ void add_plot(Grammar& grammar) {
   plot.option("--csv", "FILE",
               "Write the samples to this file, too; '-': to standard output instead",
               text(plot->csv));
+  plot::add_show(plot, plot->show);
   plot.flag("--compare", "Draw the plan of the move as well, and how far the axis was off it",
             plot->compare);
   plot.internal(plot->internal);

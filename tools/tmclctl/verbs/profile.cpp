@@ -1,16 +1,14 @@
 // profile simulate.
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 
 #include "output/output_file.hpp"
 #include "output/print.hpp"
-#include "plot/recording.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
-#include "profile/setup.hpp"
+#include "profile/drawing.hpp"
+#include "profile/report.hpp"
 #include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
@@ -18,279 +16,104 @@ namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
-using profile::Motion;
-using profile::Outcome;
-using profile::Setup;
-using profile::Simulation;
-using profile::Tick;
+using profile::Profile;
 
-// So many points make a curve that looks smooth.
-constexpr Tick curve_points = 1000;
-constexpr double most_csv_rows = 1e6;
+Result<void> draw(const plot::Picture& picture, const std::string& svg_path, Output& output) {
+  if (svg_path.empty()) {
+    output.out << plot::to_text(picture, output.out_screen);
+    return {};
+  }
+  OutputFile svg;
+  return svg.open(svg_path).and_then([&] { return svg.write(plot::to_svg(picture)); });
+}
 
-void warn_of(const Outcome& outcome, const Setup& setup, const verb::Simulate& verb,
-             Output& output) {
-  warn(outcome.warnings, output);
+void warn_of(const Profile& profile, const verb::Simulate& verb, Output& output) {
+  const auto& [label, setup, simulation, outcome] = profile;
+  const auto of = label.empty() ? "" : fmt::format("with {}: ", label);
+  for (const auto& warning : outcome.warnings) warn(of + warning, output);
+  if (outcome.cut_off)
+    warn(of + fmt::format("it changes again and again; followed to {} {} only",
+                          tmcl::plain_number(setup.time_of(outcome.end), 6),
+                          setup.generator.time_unit),
+         output);
+  if (outcome.more_phases)
+    warn(of + fmt::format("only the first {} phases are listed", profile::most_phases), output);
+  if (!label.empty()) return;
   for (const auto& change : verb.changes) {
     if (verb.until && change.time > *verb.until)
       warn(fmt::format("--change {}:{} comes after --until {}", change.time, change.setting,
                        *verb.until),
            output);
   }
-  if (outcome.cut_off)
-    warn(fmt::format("it changes again and again; followed to {} {} only",
-                     tmcl::plain_number(setup.time_of(outcome.end), 6), setup.generator.time_unit),
-         output);
-  if (outcome.more_phases)
-    warn(fmt::format("only the first {} phases are listed", profile::most_phases), output);
 }
 
-Result<json::array> samples_of(const verb::Simulate& verb, const Setup& setup,
-                               const Simulation& simulation) {
-  std::vector<std::size_t> by_time(verb.samples.size());
-  std::iota(by_time.begin(), by_time.end(), std::size_t{0});
-  std::ranges::stable_sort(by_time, {}, [&](std::size_t i) { return verb.samples[i]; });
-  std::vector<Tick> ticks;
-  for (const auto i : by_time) ticks.push_back(setup.tick_at(verb.samples[i]));
-  const auto motions = simulation.motions_at(ticks);
-  if (!motions) return tl::unexpected(motions.error());
-  json::array samples(verb.samples.size());
-  for (std::size_t k = 0; k < by_time.size(); ++k) {
-    const auto& motion = (*motions)[k];
-    samples[by_time[k]] = json::object{{"t", verb.samples[by_time[k]]},
-                                       {"x", motion.position},
-                                       {"v", motion.velocity},
-                                       {"a", motion.acceleration}};
-  }
-  return samples;
-}
-
-/// What registers were given that count in parts of a unit.
-struct Given {
-  std::string_view name;
-  std::int64_t value;
-  const profile::Scale* scale;
-};
-
-std::vector<Given> scaled_registers(const Setup& setup) {
-  std::vector<Given> given;
-  for (const auto& write : setup.script.start) {
-    const auto name = setup.generator.registers[write.index].name;
-    if (const auto* scale = setup.generator.scale_of(name))
-      given.push_back({name, write.value, scale});
-  }
-  return given;
-}
-
-json::object registers_json(const Setup& setup) {
-  json::object registers;
-  for (const auto& [name, value, scale] : scaled_registers(setup)) {
-    registers[name] = json::object{{"value", value},
-                                   {"hex", fmt::format("{:x}", value)},
-                                   {"in_unit", scale->in_unit(value)},
-                                   {"unit", scale->unit}};
-  }
-  return registers;
-}
-
-/// Of a module: parameters and registers beside each other.
-json::array parameters_json(const std::vector<profile::GivenParameter>& parameters) {
-  json::array all;
-  for (const auto& one : parameters) {
-    all.push_back(json::object{{"parameter", one.name},
-                               {"number", one.number},
-                               {"value", one.value},
-                               {"said", one.said},
-                               {"register", one.chip_register},
-                               {"holds", one.held},
-                               {"deviation", one.off ? json::value(*one.off) : json::value()}});
-  }
-  return all;
-}
-void print_parameters(const std::vector<profile::GivenParameter>& parameters, std::ostream& out) {
-  Table table({"PARAMETER", "NUMBER", "SAID", "VALUE", "REGISTER", "HOLDS", "OFF"});
-  for (const auto& one : parameters) {
-    const bool has_register = !one.chip_register.empty();
-    table.add({one.name, std::to_string(one.number), one.said, std::to_string(one.value),
-               has_register ? one.chip_register : "-",
-               has_register ? std::to_string(one.held) : "-",
-               one.off ? fmt::format("{:+.3f} %", *one.off * 100) : "-"});
-  }
-  table.print(out);
-}
-
-/// From one place to another.
-struct Ramp {
-  double duration;
-  std::int64_t length;
-};
-Ramp ramp_between(const profile::Place& from, const profile::Place& to, const Setup& setup) {
-  return {setup.time_of(to.tick) - setup.time_of(from.tick), std::abs(to.position - from.position)};
-}
-Ramp ramp_up(const Outcome& outcome, const Setup& setup) {
-  return ramp_between(outcome.start, outcome.first_peak, setup);
-}
-/// Nothing where it does not come to rest on its target.
-std::optional<Ramp> ramp_down(const Outcome& outcome, const Setup& setup) {
-  if (!outcome.arrival) return std::nullopt;
-  return ramp_between(outcome.last_peak, {*outcome.arrival, outcome.at_end.position}, setup);
-}
-/// A time, as a field called so. In seconds, but for a generator that counts in cycles: what is in
-/// the field of seconds is cycles then, too, for those who know no other.
-void add_time(json::object& object, std::string_view what, const json::value& time,
-              const Setup& setup) {
-  object[fmt::format("{}_s", what)] = time;
-  if (!setup.generator.clocked)
-    object[fmt::format("{}_{}", what, setup.generator.time_unit)] = time;
-}
-json::value to_json(const std::optional<Ramp>& ramp, const Setup& setup) {
-  if (!ramp) return nullptr;
-  json::object object;
-  add_time(object, "duration", ramp->duration, setup);
-  object["microsteps"] = ramp->length;
-  return object;
-}
-
-json::object to_json(const Outcome& outcome, const Setup& setup, json::array samples) {
-  json::array phases;
-  for (const auto& phase : outcome.phases) {
-    json::object object{{"name", phase.name}};
-    add_time(object, "start", setup.time_of(phase.tick), setup);
-    phases.push_back(std::move(object));
-  }
-  json::object document{{"generator", setup.generator.name}};
-  add_time(document, "duration",
-           outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr),
-           setup);
-  document["final_position"] = outcome.at_end.position;
-  document["peak_velocity"] = outcome.peak_velocity;
-  document["ramp_up"] = to_json(std::optional(ramp_up(outcome, setup)), setup);
-  document["ramp_down"] = to_json(ramp_down(outcome, setup), setup);
-  document["phases"] = std::move(phases);
-  document["samples"] = std::move(samples);
-  if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
-  if (!setup.parameters.empty()) document["parameters"] = parameters_json(setup.parameters);
-  return document;
-}
-
-/// Every `step` from 0 on: until the end, or to the first at which what there was to see is over.
-Result<std::vector<double>> csv_times(const verb::Simulate& verb, const Setup& setup,
-                                      const Outcome& outcome) {
-  constexpr double rounding = 1e-9;
-  const double steps = setup.time_of(outcome.end) / *verb.csv_step;
-  const bool to_the_first_after = !verb.until && !outcome.cut_off;
-  const double rows =
-      1 + (to_the_first_after ? std::ceil(steps - rounding) : std::floor(steps + rounding));
-  if (!(rows <= most_csv_rows)) {
-    return tl::unexpected(usage_error(
-        "too_many_rows",
-        fmt::format("--csv {} makes {:.0f} rows in {} {}; {:.0f} at most", *verb.csv_step, rows,
-                    setup.time_of(outcome.end), setup.generator.time_unit, most_csv_rows)));
-  }
-  std::vector<double> times(static_cast<std::size_t>(rows));
-  for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<double>(i) * *verb.csv_step;
-  return times;
-}
-
-Result<std::string> to_csv(const verb::Simulate& verb, const Setup& setup,
-                           const Simulation& simulation, const Outcome& outcome) {
-  const auto times = csv_times(verb, setup, outcome);
-  if (!times) return tl::unexpected(times.error());
-  std::vector<Tick> ticks;
-  for (const double time : *times) ticks.push_back(setup.tick_at(time));
-  const auto motions = simulation.motions_at(ticks);
-  if (!motions) return tl::unexpected(motions.error());
-  std::string text = "t,x,v,a\n";
-  for (std::size_t i = 0; i < times->size(); ++i) {
-    const auto& motion = (*motions)[i];
-    text += fmt::format("{},{},{},{}\n", tmcl::plain_number((*times)[i], 12), motion.position,
-                        motion.velocity, motion.acceleration);
-  }
-  return text;
-}
-
-/// Evenly spread, and where a phase begins, so that corners are corners.
-std::vector<Tick> curve_ticks(const Outcome& outcome) {
-  std::vector<Tick> ticks;
-  for (Tick i = 0; i <= curve_points; ++i)
-    ticks.push_back(outcome.end / curve_points * i + outcome.end % curve_points * i / curve_points);
-  for (const auto& phase : outcome.phases) ticks.push_back(phase.tick);
-  std::ranges::sort(ticks);
-  const auto [first, last] = std::ranges::unique(ticks);
-  ticks.erase(first, last);
-  return ticks;
-}
-
-Result<plot::Recording> record(const Setup& setup, const Simulation& simulation,
-                               const Outcome& outcome) {
-  const auto ticks = curve_ticks(outcome);
-  const auto motions = simulation.motions_at(ticks);
-  if (!motions) return tl::unexpected(motions.error());
-  plot::Recording recording{std::string(setup.generator.name),
-                            {},
-                            std::string(setup.generator.time_unit),
-                            std::string(setup.generator.length_unit)};
-  for (std::size_t i = 0; i < ticks.size(); ++i) {
-    recording.samples.push_back(
-        {setup.time_of(ticks[i]), (*motions)[i].position, (*motions)[i].velocity});
-  }
-  return recording;
-}
-
-Result<void> draw(const plot::Recording& recording, const std::string& svg_path, Output& output) {
-  if (svg_path.empty()) {
-    output.out << plot::to_text(recording, output.out_screen);
+Result<void> print(const verb::Simulate& verb, const std::vector<Profile>& profiles,
+                   Output& output) {
+  const auto& first = profiles.front();
+  if (output.json) {
+    auto samples = profile::samples_of(first, verb.samples);
+    if (!samples) return tl::unexpected(samples.error());
+    auto document = to_json(first, std::move(*samples));
+    json::array others;
+    for (std::size_t i = 1; i < profiles.size(); ++i) {
+      auto other = profile::samples_of(profiles[i], verb.samples);
+      if (!other) return tl::unexpected(other.error());
+      others.push_back(to_json(profiles[i], std::move(*other)));
+    }
+    if (!verb.with.empty()) document["with"] = std::move(others);
+    print_json(document, output);
     return {};
   }
-  OutputFile svg;
-  return svg.open(svg_path).and_then([&] { return svg.write(plot::to_svg(recording)); });
+  if (verb.csv_step)
+    return to_csv(first, {*verb.csv_step, verb.show, verb.until.has_value()})
+        .map([&](const std::string& text) { output.out << text; });
+  print_registers(first, output.out);
+  if (!verb.with.empty()) {
+    if (auto printed = print_comparison(profiles, output.out); !printed) return printed;
+  } else if (verb.svg.empty()) {
+    print_ramps(first, output.out);
+  }
+  return picture_of(profiles, verb.show, verb.until.has_value())
+      .and_then([&](const plot::Picture& picture) { return draw(picture, verb.svg, output); });
 }
 
-void print_ramps(const Outcome& outcome, const Setup& setup, std::ostream& out) {
-  const auto text = [&](const Ramp& ramp) {
-    return fmt::format("{} {} and {} {}", tmcl::plain_number(ramp.duration, 4),
-                       setup.generator.time_unit, ramp.length, setup.generator.length_unit);
-  };
-  out << "up to speed in " << text(ramp_up(outcome, setup));
-  if (const auto down = ramp_down(outcome, setup)) out << ", and down to rest in " << text(*down);
-  out << '\n';
+/// With the settings of `with` in place of those of the same name.
+verb::Simulate changed(verb::Simulate verb, const std::string& with) {
+  for (std::size_t begin = 0; begin <= with.size();) {
+    const auto comma = std::min(with.find(',', begin), with.size());
+    const auto setting = with.substr(begin, comma - begin);
+    const auto name = setting.substr(0, setting.find('=')) + "=";
+    std::erase_if(verb.settings, [&](const std::string& other) { return other.starts_with(name); });
+    verb.settings.push_back(setting);
+    begin = comma + 1;
+  }
+  return verb;
 }
 
-Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulation& simulation,
-                  const Outcome& outcome, Output& output) {
-  if (output.json) {
-    return samples_of(verb, setup, simulation).map([&](json::array samples) {
-      print_json(to_json(outcome, setup, std::move(samples)), output);
-    });
-  }
-  if (verb.csv_step) {
-    return to_csv(verb, setup, simulation, outcome).map([&](const std::string& text) {
-      output.out << text;
-    });
-  }
-  for (const auto& [name, value, scale] : scaled_registers(setup)) {
-    output.out << fmt::format("{:<12} {} {} = {} ({:x}h)\n", name,
-                              tmcl::plain_number(scale->in_unit(value), 10), scale->unit, value,
-                              value);
-  }
-  if (!setup.parameters.empty()) print_parameters(setup.parameters, output.out);
-  if (verb.svg.empty()) print_ramps(outcome, setup, output.out);
-  return record(setup, simulation, outcome).and_then([&](const plot::Recording& recording) {
-    return draw(recording, verb.svg, output);
-  });
+Result<Profile> follow(const verb::Simulate& verb, std::string label) {
+  auto setup = verb.axis.is_meant() ? profile::read_model_setup(verb) : profile::read_setup(verb);
+  if (!setup) return tl::unexpected(setup.error());
+  auto simulation = setup->generator.simulate(setup->script);
+  const auto until =
+      verb.until ? std::optional(setup->tick_at(*verb.until)) : std::optional<profile::Tick>{};
+  auto outcome = simulation->follow(until);
+  if (!outcome) return tl::unexpected(outcome.error());
+  return Profile{std::move(label), std::move(*setup), std::move(simulation), std::move(*outcome)};
 }
 
 Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
-  const auto setup =
-      verb.axis.is_meant() ? profile::read_model_setup(verb) : profile::read_setup(verb);
-  if (!setup) return tl::unexpected(setup.error());
-  const auto simulation = setup->generator.simulate(setup->script);
-  const auto until =
-      verb.until ? std::optional(setup->tick_at(*verb.until)) : std::optional<Tick>{};
-  const auto outcome = simulation->follow(until);
-  if (!outcome) return tl::unexpected(outcome.error());
-  warn_of(*outcome, *setup, verb, output);
-  return show(verb, *setup, *simulation, *outcome, output).map([] { return ExitCode::done; });
+  std::vector<Profile> profiles;
+  const auto add = [&](const verb::Simulate& one, const std::string& label) -> Result<void> {
+    auto followed = follow(one, label);
+    if (!followed) return tl::unexpected(followed.error());
+    warn_of(*followed, verb, output);
+    profiles.push_back(std::move(*followed));
+    return {};
+  };
+  if (auto added = add(verb, ""); !added) return tl::unexpected(added.error());
+  for (const auto& with : verb.with)
+    if (auto added = add(changed(verb, with), with); !added) return tl::unexpected(added.error());
+  return print(verb, profiles, output).map([] { return ExitCode::done; });
 }
 
 constexpr double longest_simulated_time = 1e9;
@@ -330,6 +153,7 @@ std::string conflict_in(const verb::Simulate& said, bool json) {
   if (forms > 1) return "--json, --csv and --svg exclude each other";
   if (said.generator.empty() == !said.axis.is_meant()) return "give --generator or --model";
   if (auto objection = objection_to(said.axis); !objection.empty()) return objection;
+  if (said.csv_step && !said.with.empty()) return "--csv and --with exclude each other";
   return !said.samples.empty() && !json ? "--sample needs --json" : "";
 }
 
@@ -342,8 +166,11 @@ Nothing is sent anywhere: no bus, no tmcld, no module is needed.
 
 constexpr const char* simulate_help = R"(
 Computes, exactly to the tick (tmc4361: by a model), how a chip's ramp generator moves: from rest at
-position 0 and tick 0 until it stands on its target, or until --until. Draws position and velocity;
---csv, --svg and --json say it in other ways. x is in microsteps, v and a are in the chip's units.
+position 0 and tick 0 until it stands on its target, or until --until. Draws position and velocity, or
+what --show names, with its phases; --csv, --svg and --json say it in other ways. x is in microsteps, v
+and a are in the chip's units, and with --model drawn in the unit of the axis. Where the acceleration
+jumps there is no jerk to draw. Of a motor that swings around its target the first 40 phases are drawn.
+--with compares: times, peaks and ways in a table, and all of them in one picture.
 
   tmclctl profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 \
       x_target=100000
@@ -357,6 +184,8 @@ position 0 and tick 0 until it stands on its target, or until --until. Draws pos
       jerk=42950 position=100000 --svg s_curve.svg
   tmclctl profile simulate --generator tmc429 mode=velocity v_max=2047 a_max=100 pulse_div=3 \
       ramp_div=5 v_target=500 --change 0.5:v_target=-500 --until 2
+  tmclctl profile simulate --generator tmc457 v_max=5000000 a_max=24624 d_max=24624 bow_max=11 \
+      x_target=50000 --with bow_max=0 --with bow_max=14 --show v,a,j --svg bows.svg
 
 Registers are called as in the data sheets; values are decimal, 0x..., or these names:
   tmc429    mode=ramp|soft|velocity|hold v_min v_max v_target v_actual a_max pulse_div ramp_div
@@ -421,7 +250,18 @@ Form add_profile(Grammar& grammar) {
       [&said](const std::string& text) { return read_times(text, said.samples); });
   simulate.option("--until", "SECONDS", "End then, and not when it stands on its target",
                   number(simulate->until, 0.0, longest_simulated_time));
-  simulate.option("--csv", "SECONDS", "Print t,x,v,a every so often instead of drawing",
+  plot::add_show(simulate, simulate->show);
+  simulate.repeated_option(
+      "--with", "REGISTER=VALUE,...",
+      fmt::format("Draw beside it what these make of it; {} times at most", plot::most_overlays),
+      [&said](const std::string& text) -> Reading {
+        if (said.with.size() == plot::most_overlays)
+          return tl::unexpected(std::string("too many profiles"));
+        said.with.push_back(text);
+        return {};
+      });
+  simulate.option("--csv", "SECONDS",
+                  "Print t,x,v,a, or what --show names, every so often instead of drawing",
                   number(simulate->csv_step, shortest_csv_step, longest_simulated_time));
   simulate.option("--svg", "FILE", "Draw into this file, not on the screen",
                   svg_file(simulate->svg));

@@ -1,5 +1,8 @@
 // profile solve.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -19,6 +22,7 @@ namespace plan = tmcl::plan;
 
 // Of each of the three parts: a ramp's position is a parabola.
 constexpr int points_of_a_part = 100;
+constexpr double most_csv_rows = 1e6;
 
 std::string_view failure_name(plan::SolveError::Kind kind) {
   switch (kind) {
@@ -62,37 +66,113 @@ void print_table(const plan::Profile& profile, const profile::KnownValues& known
   table.print(output.out);
 }
 
-std::vector<double> curve_times(const plan::Profile& profile) {
-  std::vector<double> times;
-  double begin = 0;
-  for (const double duration :
-       {profile.acceleration_time, profile.slew_time, profile.deceleration_time}) {
-    for (int i = 0; i < points_of_a_part; ++i)
-      times.push_back(begin + duration * i / points_of_a_part);
-    begin += duration;
-  }
-  times.push_back(profile.total_time);
-  return times;
+/// Speeding up, going on, slowing down.
+struct Part {
+  std::string_view name;
+  double duration;
+  double acceleration;
+};
+std::array<Part, 3> parts_of(const plan::Profile& profile) {
+  return {{{"acceleration", profile.acceleration_time, profile.acceleration},
+           {"constant speed", profile.slew_time, 0},
+           {"deceleration", profile.deceleration_time, -profile.deceleration}}};
 }
 
-plot::Picture picture_of(const plan::Profile& profile, const std::string& unit) {
-  const auto times = curve_times(profile);
-  plot::Curve position{"position", unit.empty() ? "units" : unit, times, {}};
-  plot::Curve velocity{"velocity", position.unit + "/s", times, {}};
-  for (const double time : times) {
-    position.values.push_back(profile.position_at(time));
-    velocity.values.push_back(profile.speed_at(time));
+double value_at(plot::Quantity quantity, const plan::Profile& profile, double time,
+                const Part& part) {
+  switch (quantity) {
+    case plot::Quantity::position: return profile.position_at(time);
+    case plot::Quantity::velocity: return profile.speed_at(time);
+    case plot::Quantity::acceleration: return part.acceleration;
+    case plot::Quantity::jerk: break;
   }
+  return 0;
+}
+
+/// Where one part ends and the next begins, the acceleration has two values.
+plot::Curve curve_of(plot::Quantity quantity, const plan::Profile& profile,
+                     const std::string& unit) {
+  constexpr std::array names{"position", "velocity", "acceleration", "jerk"};
+  constexpr std::array per{"", "/s", "/s^2", "/s^3"};
+  const auto order = static_cast<std::size_t>(quantity);
+  plot::Curve curve{names.at(order), unit + per.at(order), {}, {}};
+  double begin = 0;
+  for (const auto& part : parts_of(profile)) {
+    if (part.duration <= 0) continue;
+    for (int i = 0; i <= points_of_a_part; ++i) {
+      curve.times.push_back(begin + part.duration * i / points_of_a_part);
+      curve.values.push_back(value_at(quantity, profile, curve.times.back(), part));
+    }
+    begin += part.duration;
+  }
+  return curve;
+}
+
+plot::Picture picture_of(const plan::Profile& profile, const std::string& typed_unit,
+                         const plot::Shown& shown) {
+  const auto unit = typed_unit.empty() ? "units" : typed_unit;
   const auto number = [](double value) { return tmcl::plain_number(value, 6); };
-  auto title =
-      fmt::format("{} {} in {} s, greatest velocity {} {}", number(profile.distance), position.unit,
-                  number(profile.total_time), number(profile.speed), velocity.unit);
-  return {std::move(title), "s", {std::move(position), std::move(velocity)}, {}};
+  plot::Picture picture{
+      fmt::format("{} {} in {} s, greatest velocity {} {}/s", number(profile.distance), unit,
+                  number(profile.total_time), number(profile.speed), unit),
+      "s",
+      {},
+      {}};
+  for (const auto quantity : plot::or_usual(shown))
+    picture.curves.push_back(curve_of(quantity, profile, unit));
+  double begin = 0;
+  for (const auto& part : parts_of(profile)) {
+    if (part.duration > 0) picture.marks.push_back({begin, std::string(part.name)});
+    begin += part.duration;
+  }
+  return picture;
+}
+
+/// The one that begins at this time, or is under way.
+Part part_at(const plan::Profile& profile, double time) {
+  const auto parts = parts_of(profile);
+  auto part = parts.begin();
+  for (double end = part->duration; time >= end && std::next(part) != parts.end();
+       end += part->duration)
+    ++part;
+  return *part;
+}
+
+/// What is shown, every so often.
+Result<std::string> to_csv(const plan::Profile& profile, double step, const plot::Shown& shown) {
+  constexpr double rounding = 1e-9;
+  const double last = std::floor(profile.total_time / step + rounding);
+  if (!(last < most_csv_rows)) {
+    return tl::unexpected(usage_error(
+        "too_many_rows",
+        fmt::format("--csv {} makes {:.0f} rows; {:.0f} at most", step, last + 1, most_csv_rows)));
+  }
+  std::string text = "t";
+  for (const auto quantity : shown) text += {',', plot::letter_of(quantity)};
+  text += '\n';
+  for (double i = 0; i <= last; ++i) {
+    const auto time = std::min(i * step, profile.total_time);
+    const auto part = part_at(profile, time);
+    text += tmcl::plain_number(time, 12);
+    for (const auto quantity : shown)
+      text += ',' + tmcl::plain_number(value_at(quantity, profile, time, part), 12);
+    text += '\n';
+  }
+  return text;
 }
 
 Result<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
                   const profile::KnownValues& known, Output& output) {
-  const auto picture = picture_of(profile, known.unit);
+  using plot::Quantity;
+  if (verb.csv_step) {
+    const auto columns = !verb.show.empty() ? verb.show
+                                            : plot::Shown{Quantity::position, Quantity::velocity,
+                                                          Quantity::acceleration};
+    return to_csv(profile, *verb.csv_step, columns).map([&](const std::string& text) {
+      output.out << text;
+    });
+  }
+  const auto picture = picture_of(profile, known.unit, verb.show);
   if (!verb.svg.empty()) {
     OutputFile svg;
     auto written = svg.open(verb.svg).and_then([&] { return svg.write(plot::to_svg(picture)); });
@@ -134,8 +214,8 @@ With an assumption, fewer are enough:
   tmclctl --json profile solve distance=200mm total_time=1s speed=250mm/s symmetric
   tmclctl profile solve initial_speed=2 speed=8 acceleration=3 deceleration=3 distance=40
 
-Prints all of them as a table and draws position and speed; --svg draws into a file; --json prints
-them as plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
+Prints all of them as a table and draws position and speed, or what --show names; --svg draws into a
+file; --csv prints rows of the movement instead; --json prints plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
 cm, m and in, and deg, rad and rev, can be mixed. Speeds are such as mm/s, accelerations mm/s^2 (or
 mm/s2, mm/s/s); times are in s, ms, us or min. What is printed is in seconds and in the first unit
 of length that was given, and bare numbers are taken as such.
@@ -153,6 +233,13 @@ void add_solve(Grammar& grammar, const Form& profile) {
   auto& said = *solve.operator->();
   solve.words("QUANTITY=VALUE[UNIT]", "What is known, and the words symmetric or thirds",
               texts(said.words));
+  plot::add_show(solve, solve->show);
+  solve.option("--csv", "SECONDS",
+               "Print t,x,v,a, or what --show names, every so often instead of all that",
+               number(solve->csv_step, 1e-9, 1e9));
+  solve.object([](const verb::SolveProfile& verb, bool json) {
+    return verb.csv_step && (json || !verb.svg.empty()) ? "--csv excludes --json and --svg" : "";
+  });
   solve.option("--svg", "FILE", "Draw into this file, not on the screen", svg_file(solve->svg));
 }
 

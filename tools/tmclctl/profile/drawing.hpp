@@ -1,0 +1,32 @@
+/// Simulated movements as curves.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "plot/picture.hpp"
+#include "profile/setup.hpp"
+
+namespace tmclctl::profile {
+
+/// A movement that was followed.
+struct Profile {
+  std::string label;  ///< What tells it from the others.
+  Setup setup;
+  std::unique_ptr<Simulation> simulation;
+  Outcome outcome;
+};
+
+/// A generator that swings has no end: without --until, so many phases are drawn.
+constexpr std::size_t most_drawn_phases = 40;
+
+/// Its motion at evenly spread times, and in each phase. `all`: however many phases there are.
+Result<plot::Recording> record(const Profile& profile, bool all);
+
+/// The first profile with its phases; of more than one, all of them without.
+Result<plot::Picture> picture_of(const std::vector<Profile>& profiles, const plot::Shown& shown,
+                                 bool all);
+
+}  // namespace tmclctl::profile
