@@ -10,11 +10,6 @@ namespace {
 
 using Word = std::string_view;
 
-constexpr std::array<Word, 3> last_steps{"r3", "r1", "r2"};
-constexpr std::array<Word, 5> factor_rules{"percent_99", "percent_95", "percent_98_8", "nearest",
-                                           "nearest_less_one"};
-constexpr std::array<Word, 2> orders{"ramp_first", "pulse_first"};
-constexpr std::array<Word, 2> accumulators{"cleared", "kept"};
 constexpr std::array<Word, 2> origins{"actual", "target"};
 constexpr std::array<Word, 2> relative_answers{"distance", "target"};
 constexpr std::array<Word, 2> velocity_targets{"turns_on", "goes_there"};
@@ -25,10 +20,10 @@ constexpr std::array<Word, 2> range_checks{"manual", "wrap"};
 constexpr std::array<Word, 2> addressings{"own", "any"};
 
 constexpr std::array<TraitInfo, trait_count> table{{
-    {Trait::last_step, "last_step", last_steps},
-    {Trait::factor_rule, "factor_rule", factor_rules},
-    {Trait::order, "order", orders},
-    {Trait::accumulator, "accumulator", accumulators},
+    {Trait::last_step, "last_step", ramp::Tmc429::last_steps},
+    {Trait::factor_rule, "factor_rule", ramp::Tmc429::factor_rules},
+    {Trait::order, "order", ramp::Tmc429::orders},
+    {Trait::accumulator, "accumulator", ramp::Tmc429::accumulators},
     {Trait::relative_from, "relative_from", origins},
     {Trait::relative_answer, "relative_answer", relative_answers},
     {Trait::velocity_target, "velocity_target", velocity_targets},

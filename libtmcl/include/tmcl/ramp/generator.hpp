@@ -26,12 +26,28 @@ constexpr Tick forever = UINT64_MAX;
 /// advance_to() goes no further; at the shortest tick in use that is nine thousand years.
 constexpr Tick last_tick = Tick{1} << 62;
 
+/// Where the chip keeps a register: at an address, that of its first motor and without the bit that
+/// tells reading from writing. What takes negative values is alone there.
+struct ChipBits {
+  std::uint8_t address = 0;
+  std::uint8_t shift = 0;
+  std::uint8_t count = 0;  ///< 0: nowhere that a command reaches.
+
+  constexpr bool are_at(std::uint8_t place) const { return count != 0 && address == place; }
+};
+
 /// A register by the name that the chip's data sheet gives it, in lower case.
 struct RegisterInfo {
   std::string_view name;
   std::int64_t minimum;
   std::int64_t maximum;
   std::string_view meaning;  ///< With the unit.
+  ChipBits bits{};
+  /// Of its values, from the minimum on. If there are any, it takes only values that have one.
+  std::span<const std::string_view> names{};
+
+  bool takes(std::int64_t value) const;
+  std::optional<std::int64_t> value_of(std::string_view value_name) const;
 };
 
 /// Why a register was not written; nothing has changed then.

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -40,10 +41,14 @@ class Tmc429Rules {
     r1,  ///< v² = 2048 floor(p distance)
     r2,  ///< v² = 2048 p distance
   };
+  /// What people call them, as with the other enumerations that are about open points.
+  static constexpr std::array<std::string_view, 3> last_steps{"r3", "r1", "r2"};
   /// Which stage comes first where both have a tick at once.
   enum class Order : std::uint8_t { ramp_first, pulse_first };
+  static constexpr std::array<std::string_view, 2> orders{"ramp_first", "pulse_first"};
   /// What becomes of the fraction of a microstep when the motor stops on its target.
   enum class Accumulator : std::uint8_t { cleared, kept };
+  static constexpr std::array<std::string_view, 2> accumulators{"cleared", "kept"};
 
   /// Without its fraction: 0 is read while |v| < 1, not only at standstill.
   std::int32_t v_actual() const { return velocity_ / v_unit; }
@@ -141,6 +146,8 @@ class Tmc429 : public Tmc429Rules {
     nearest,           ///< The nearest value.
     nearest_less_one,  ///< The nearest value with pmul less one.
   };
+  static constexpr std::array<std::string_view, 5> factor_rules{
+      "percent_99", "percent_95", "percent_98_8", "nearest", "nearest_less_one"};
   enum class Register : std::uint8_t {
     mode,
     v_min,
@@ -220,6 +227,8 @@ class Tmc429 : public Tmc429Rules {
   bool operator==(const Tmc429&) const = default;
 
  private:
+  struct Rows;  // of registers
+
   void move(Tick until);
   void slew_through(Tick until);
   void coast(Tick until);
@@ -230,8 +239,7 @@ class Tmc429 : public Tmc429Rules {
   Tick earliest_pass(std::int32_t velocity) const;
 
   std::optional<Finding> wrong_deceleration() const;
-  void write_mode(Mode mode);
-  void write_factor(Register name, std::int64_t value);
+  void follow(Register written);
   void update_factor();
 
   Run run_;

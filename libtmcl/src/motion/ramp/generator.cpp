@@ -1,6 +1,19 @@
 #include "tmcl/ramp/generator.hpp"
 
+#include <algorithm>
+
 namespace tmcl::ramp {
+
+bool RegisterInfo::takes(std::int64_t value) const {
+  if (value < minimum || value > maximum) return false;
+  return names.empty() || !names[static_cast<std::size_t>(value - minimum)].empty();
+}
+
+std::optional<std::int64_t> RegisterInfo::value_of(std::string_view value_name) const {
+  const auto found = std::ranges::find(names, value_name);
+  if (value_name.empty() || found == names.end()) return std::nullopt;
+  return minimum + (found - names.begin());
+}
 
 std::string describe(const RegisterError& error) {
   const std::string name(error.info->name);

@@ -8,6 +8,7 @@
 
 #include "motion/ramp/integer.hpp"
 #include "motion/ramp/mentions.hpp"
+#include "motion/ramp/register_rows.hpp"
 
 namespace tmcl::ramp {
 namespace {
@@ -19,33 +20,7 @@ constexpr unsigned position_bits = 24;
 constexpr std::int32_t half_turn = 1 << (position_bits - 1);  // of the position counter
 constexpr std::int32_t greatest_divider = 13;
 
-constexpr auto table = std::to_array<RegisterInfo>({
-    {"mode", 0, 3, "0 ramp, 1 soft, 2 velocity, 3 hold"},
-    {"v_min", 0, greatest_speed,
-     "speed at which the motor may stop at once; with 0 it does not arrive"},
-    {"v_max", 0, greatest_speed, "greatest speed, in f / 2^(pulse_div + 16) microsteps/s"},
-    {"v_target", -greatest_speed, greatest_speed, "set-point in velocity mode, as v_max"},
-    {"v_actual", -greatest_speed, greatest_speed,
-     "present speed; keeps its value in hold mode only"},
-    {"a_max", 0, greatest_speed, "in f^2 / 2^(pulse_div + ramp_div + 29) microsteps/s^2"},
-    {"pulse_div", 0, greatest_divider, "scale of speeds, as an exponent of two"},
-    {"ramp_div", 0, greatest_divider, "scale of accelerations, as an exponent of two"},
-    {"pmul", 0, 255,
-     "factor of the deceleration: (128 + pmul) / 2^(3 + pdiv); bit 7 is always set"},
-    {"pdiv", 0, greatest_divider, "its exponent"},
-    {"x_target", -half_turn, half_turn - 1, "where the motor goes, in microsteps"},
-    {"x_actual", -half_turn, half_turn - 1, "where it is, in microsteps"},
-    {"disable_stop_l", 0, 1, "1: the left switch does not stop"},
-    {"disable_stop_r", 0, 1, "1: the right switch does not stop"},
-    {"soft_stop", 0, 1, "1: a switch slows down at a_max; 0: it stops dead"},
-    {"ref_rnl", 0, 1, "the switch that latches the position: 0 left, 1 right"},
-    {"last_step", 0, 2, "the ramp's law at distance d: 0 r3 (d - 1), 1 r1 (floor(p d)), 2 r2 (d)"},
-    {"factor_rule", 0, 4,
-     "0 percent_99, 1 percent_95, 2 percent_98_8, 3 nearest, 4 nearest_less_one"},
-    {"order", 0, 1, "what comes first at a common tick: 0 ramp_first, 1 pulse_first"},
-    {"accumulator", 0, 1,
-     "the fraction of a microstep at the stop on the target: 0 cleared, 1 kept"},
-});
+constexpr std::string_view modes[] = {"ramp", "soft", "velocity", "hold"};
 
 constexpr std::int32_t wrap24(std::int64_t x) {
   return static_cast<std::int32_t>(sign_extend(static_cast<std::uint64_t>(x), position_bits));
@@ -69,84 +44,77 @@ std::uint32_t sum_of_speeds(std::int32_t first, std::int32_t step, std::uint32_t
 
 }  // namespace
 
-std::span<const RegisterInfo> Tmc429::registers() { return table; }
+// Addresses from the vendor's register headers, bits from the data sheet.
+// clang-format off
+struct Tmc429::Rows : RowsOf<Tmc429> {
+  static constexpr auto all = std::to_array<Row>({
+    in<&G::mode_>({"mode", 0, 3, "how it drives", {0x14, 0, 2}, modes}),
+    in<&G::v_min_>({"v_min", 0, greatest_speed,
+      "speed at which the motor may stop at once; with 0 it does not arrive", {0x04, 0, 11}}),
+    in<&G::v_max_>({"v_max", 0, greatest_speed,
+      "greatest speed, in f / 2^(pulse_div + 16) microsteps/s", {0x06, 0, 11}}),
+    {{"v_target", -greatest_speed, greatest_speed, "set-point in velocity mode, as v_max", {0x08, 0, 12}},
+     [](const G& g) { return std::int64_t{g.v_target()}; },
+     [](G& g, std::int64_t value) { g.v_target_ = static_cast<std::int32_t>(value); }},
+    {{"v_actual", -greatest_speed, greatest_speed, "present speed; keeps its value in hold mode only", {0x0A, 0, 12}},
+     [](const G& g) { return std::int64_t{g.v_actual()}; },
+     [](G& g, std::int64_t value) { g.velocity_ = static_cast<std::int32_t>(value) * v_unit; }},
+    in<&G::a_max_>({"a_max", 0, greatest_speed,
+      "in f^2 / 2^(pulse_div + ramp_div + 29) microsteps/s^2", {0x0C, 0, 11}}),
+    in<&G::pulse_div_>({"pulse_div", 0, greatest_divider, "scale of speeds, as an exponent of two", {0x18, 12, 4}}),
+    in<&G::ramp_div_>({"ramp_div", 0, greatest_divider, "scale of accelerations, as an exponent of two", {0x18, 8, 4}}),
+    in<&G::pmul_>({"pmul", 0, 255,
+      "factor of the deceleration: (128 + pmul) / 2^(3 + pdiv); bit 7 is always set", {0x12, 8, 7}}),
+    in<&G::pdiv_>({"pdiv", 0, greatest_divider, "its exponent", {0x12, 0, 4}}),
+    in<&G::x_target_>({"x_target", -half_turn, half_turn - 1, "where the motor goes, in microsteps", {0x00, 0, 24}}),
+    in<&G::x_actual_>({"x_actual", -half_turn, half_turn - 1, "where it is, in microsteps", {0x02, 0, 24}}),
+    in<&G::disable_stop_l_>({"disable_stop_l", 0, 1, "1: the left switch does not stop", {0x14, 8, 1}}),
+    in<&G::disable_stop_r_>({"disable_stop_r", 0, 1, "1: the right switch does not stop", {0x14, 9, 1}}),
+    in<&G::soft_stop_>({"soft_stop", 0, 1, "1: a switch slows down at a_max; 0: it stops dead", {0x14, 10, 1}}),
+    in<&G::ref_rnl_>({"ref_rnl", 0, 1, "the switch that latches the position: 0 left, 1 right", {0x14, 11, 1}}),
+    in<&G::last_step_>({"last_step", 0, 2,
+      "the ramp's law at distance d: r3 (d - 1), r1 (floor(p d)), r2 (d)", {}, last_steps}),
+    in<&G::factor_rule_>({"factor_rule", 0, 4, "how pmul and pdiv follow", {}, factor_rules}),
+    in<&G::order_>({"order", 0, 1, "what comes first at a common tick", {}, orders}),
+    in<&G::at_stop_>({"accumulator", 0, 1, "the fraction of a microstep at the stop on the target", {}, accumulators}),
+  });
+  static constexpr auto infos = infos_of(all);
+};
+// clang-format on
+
+std::span<const RegisterInfo> Tmc429::registers() { return Rows::infos; }
 
 Written Tmc429::write(Register name, std::int64_t value) {
-  const auto& info = table[static_cast<std::size_t>(name)];
-  if (value < info.minimum || value > info.maximum) {
-    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
-  }
+  const auto& row = Rows::all[static_cast<std::size_t>(name)];
+  if (!row.info.takes(value)) return out_of_range(row.info, value);
   run_.end = tick_;
-  const auto v = static_cast<std::int32_t>(value);
-  switch (name) {
-    case Register::mode: write_mode(static_cast<Mode>(v)); break;
-    case Register::v_min: v_min_ = v; break;
-    case Register::v_max: v_max_ = v; break;
-    case Register::v_target: v_target_ = v; break;
-    case Register::v_actual: velocity_ = v * v_unit; break;
-    case Register::a_max:
-    case Register::pulse_div:
-    case Register::ramp_div:
-    case Register::factor_rule:
-    case Register::pmul:
-    case Register::pdiv: write_factor(name, value); break;
-    case Register::x_target: x_target_ = v; break;
-    case Register::x_actual: x_actual_ = v; break;
-    case Register::disable_stop_l: disable_stop_l_ = v != 0; break;
-    case Register::disable_stop_r: disable_stop_r_ = v != 0; break;
-    case Register::soft_stop: soft_stop_ = v != 0; break;
-    case Register::ref_rnl: ref_rnl_ = v != 0; break;
-    case Register::last_step: last_step_ = static_cast<LastStep>(v); break;
-    case Register::order: order_ = static_cast<Order>(v); break;
-    case Register::accumulator: at_stop_ = static_cast<Accumulator>(v); break;
-  }
+  // The register holds what the ramp last asked for, so velocity mode goes on from there.
+  if (name == Register::mode) v_target_ = v_target();
+  row.write(*this, value);
+  follow(name);
   return {};
 }
 
 std::int64_t Tmc429::read(Register name) const {
-  switch (name) {
-    case Register::mode: return static_cast<std::int64_t>(mode_);
-    case Register::v_min: return v_min_;
-    case Register::v_max: return v_max_;
-    case Register::v_target: return v_target();
-    case Register::v_actual: return v_actual();
-    case Register::a_max: return a_max_;
-    case Register::pulse_div: return pulse_div_;
-    case Register::ramp_div: return ramp_div_;
-    case Register::pmul: return pmul_;
-    case Register::pdiv: return pdiv_;
-    case Register::x_target: return x_target_;
-    case Register::x_actual: return x_actual_;
-    case Register::disable_stop_l: return disable_stop_l_ ? 1 : 0;
-    case Register::disable_stop_r: return disable_stop_r_ ? 1 : 0;
-    case Register::soft_stop: return soft_stop_ ? 1 : 0;
-    case Register::ref_rnl: return ref_rnl_ ? 1 : 0;
-    case Register::last_step: return static_cast<std::int64_t>(last_step_);
-    case Register::factor_rule: return static_cast<std::int64_t>(factor_rule_);
-    case Register::order: return static_cast<std::int64_t>(order_);
-    case Register::accumulator: return static_cast<std::int64_t>(at_stop_);
-  }
-  return 0;
+  return Rows::all[static_cast<std::size_t>(name)].read(*this);
 }
 
-void Tmc429::write_mode(Mode mode) {
-  // The register holds what the ramp last asked for, so velocity mode goes on from there.
-  v_target_ = v_target();
-  mode_ = mode;
-}
-
-void Tmc429::write_factor(Register name, std::int64_t value) {
-  const auto byte = static_cast<std::uint8_t>(value & 0xFF);
-  switch (name) {
-    case Register::pulse_div: pulse_div_ = byte; break;
-    case Register::ramp_div: ramp_div_ = byte; break;
-    case Register::a_max: a_max_ = static_cast<std::int32_t>(value); break;
-    case Register::factor_rule: factor_rule_ = static_cast<FactorRule>(value); break;
-    case Register::pmul: pmul_ = byte & 0x7F; break;
-    default: pdiv_ = byte; break;
+// pmul and pdiv follow what they are made of, until one of the two is written.
+void Tmc429::follow(Register written) {
+  switch (written) {
+    case Register::pmul:
+    case Register::pdiv:
+      pmul_ &= 0x7F;
+      factor_written_ = true;
+      break;
+    case Register::a_max:
+    case Register::pulse_div:
+    case Register::ramp_div:
+    case Register::factor_rule:
+      if (!factor_written_) update_factor();
+      break;
+    default: break;
   }
-  if (name == Register::pmul || name == Register::pdiv) factor_written_ = true;
-  if (!factor_written_) update_factor();
 }
 
 // Outside the range of the registers the nearest end is taken.
