@@ -66,6 +66,8 @@ class Mc1451a {
   bool operator==(const Mc1451a&) const = default;
 
  private:
+  struct Rows;  // of registers
+
   bool in_motion() const { return track_.at(tick_).v != 0; }
   Forces forces() const;
   bool takes_in_motion(Register name) const {

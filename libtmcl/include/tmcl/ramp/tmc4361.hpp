@@ -22,7 +22,6 @@
 /// acceleration, final deceleration, virtual stops, TZEROWAIT and the direct units of bows.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -106,6 +105,8 @@ class Tmc4361 {
   bool operator==(const Tmc4361&) const = default;
 
  private:
+  struct Rows;  // of registers
+
   double ticks_a_second() const { return ticks_per_second(clk_freq_); }
   double velocity_of(std::int64_t registered) const;
   bool barred(double velocity) const;
@@ -126,7 +127,10 @@ class Tmc4361 {
   std::int32_t dmax_ = 0;
   std::int32_t dstop_ = 0;
   std::int32_t clk_freq_ = 16'000'000;
-  std::array<std::int32_t, 4> bows_{};
+  std::int32_t bow1_ = 0;
+  std::int32_t bow2_ = 0;
+  std::int32_t bow3_ = 0;
+  std::int32_t bow4_ = 0;
   Mode mode_ = Mode::position;
   bool stop_left_en_ = false;
   bool stop_right_en_ = false;

@@ -106,6 +106,8 @@ class Tmc457 {
   bool operator==(const Tmc457&) const = default;
 
  private:
+  struct Rows;  // of registers
+
   enum class Course : std::uint8_t { ramp, stop, hold, oscillation };
 
   std::int32_t bow_value() const { return bow_max_ == 0 ? 0 : 1 << (bow_max_ - 1); }

@@ -7,6 +7,7 @@
 
 #include "motion/ramp/mentions.hpp"
 #include "motion/ramp/part_name.hpp"
+#include "motion/ramp/register_rows.hpp"
 #include "motion/ramp/s_curve.hpp"
 
 namespace tmcl::ramp {
@@ -19,46 +20,38 @@ constexpr double v_unit = 1.0 / (1 << v_bits);
 constexpr double a_unit = 1.0 / (1 << a_bits);
 constexpr double jerk_unit = 1.0 / (1LL << (32 + 3 * 4));
 
-constexpr std::array<RegisterInfo, 5> infos{{
-    {"profile", 0, 1, "0 S-curve, 1 trapezoidal"},
-    {"position", -(1 << 30), (1 << 30) - 1, "destination, steps"},
-    {"velocity", 0, 1'073'741'823, "maximum velocity, 2^-16 steps/cycle"},
-    {"acceleration", 0, 32'767, "maximum acceleration, 2^-16 steps/cycle^2"},
-    {"jerk", 0, 2'147'483'647, "2^-32 steps/cycle^3, S-curve only"},
-}};
+constexpr std::string_view shapes[] = {"s_curve", "trapezoidal"};
 
 }  // namespace
 
-std::span<const RegisterInfo> Mc1451a::registers() { return infos; }
+// clang-format off
+struct Mc1451a::Rows : RowsOf<Mc1451a> {
+  static constexpr auto all = std::to_array<Row>({
+    in<&G::shape_>({"profile", 0, 1, "its shape", {}, shapes}),
+    in<&G::position_>({"position", -(1 << 30), (1 << 30) - 1, "destination, steps"}),
+    in<&G::velocity_>({"velocity", 0, 1'073'741'823, "maximum velocity, 2^-16 steps/cycle"}),
+    in<&G::acceleration_>({"acceleration", 0, 32'767, "maximum acceleration, 2^-16 steps/cycle^2"}),
+    in<&G::jerk_>({"jerk", 0, 2'147'483'647, "2^-32 steps/cycle^3, S-curve only"}),
+  });
+  static constexpr auto infos = infos_of(all);
+};
+// clang-format on
+
+std::span<const RegisterInfo> Mc1451a::registers() { return Rows::infos; }
 
 Written Mc1451a::write(Register name, std::int64_t value) {
-  const auto& info = infos[static_cast<std::size_t>(name)];
-  if (value < info.minimum || value > info.maximum) {
-    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
-  }
+  const auto& row = Rows::all[static_cast<std::size_t>(name)];
+  if (!row.info.takes(value)) return out_of_range(row.info, value);
   if (in_motion() && !takes_in_motion(name)) {
-    return tl::unexpected(RegisterError{RegisterError::Reason::in_motion, &info, value});
+    return tl::unexpected(RegisterError{RegisterError::Reason::in_motion, &row.info, value});
   }
-  switch (name) {
-    case Register::profile: shape_ = static_cast<Shape>(value); break;
-    case Register::position: position_ = static_cast<std::int32_t>(value); break;
-    case Register::velocity: velocity_ = static_cast<std::int32_t>(value); break;
-    case Register::acceleration: acceleration_ = static_cast<std::int16_t>(value); break;
-    case Register::jerk: jerk_ = static_cast<std::int32_t>(value); break;
-  }
+  row.write(*this, value);
   planned_ = false;
   return {};
 }
 
 std::int64_t Mc1451a::read(Register name) const {
-  switch (name) {
-    case Register::profile: return static_cast<std::int64_t>(shape_);
-    case Register::position: return position_;
-    case Register::velocity: return velocity_;
-    case Register::acceleration: return acceleration_;
-    case Register::jerk: return jerk_;
-  }
-  return 0;
+  return Rows::all[static_cast<std::size_t>(name)].read(*this);
 }
 
 std::vector<Finding> Mc1451a::findings() const {

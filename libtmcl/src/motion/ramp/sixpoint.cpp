@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "motion/ramp/mentions.hpp"
+#include "motion/ramp/register_rows.hpp"
 
 namespace tmcl::ramp {
 namespace {
@@ -17,21 +18,25 @@ constexpr std::int64_t half_turn = microstep << 31;  // of the 32 bit position
 constexpr unsigned position_shift = 9;               // position_ counts 2^-32 microsteps
 constexpr std::int64_t never_stops = std::int64_t{1} << 62;
 
-constexpr std::array<RegisterInfo, 13> table{{
-    {"vstart", 0, (1 << 18) - 1, "start velocity, f/2^24 Hz"},
-    {"a1", 0, (1 << 16) - 1, "acceleration up to V1, f^2/2^41 Hz/s"},
-    {"v1", 0, (1 << 20) - 1, "velocity at which A1 and D1 end, f/2^24 Hz; 0 turns them off"},
-    {"amax", 0, (1 << 16) - 1, "acceleration above V1 and in velocity mode, f^2/2^41 Hz/s"},
-    {"vmax", 0, (1 << 23) - 512, "target velocity, f/2^24 Hz"},
-    {"dmax", 0, (1 << 16) - 1, "deceleration down to V1, f^2/2^41 Hz/s"},
-    {"d1", 0, (1 << 16) - 1, "deceleration below V1, f^2/2^41 Hz/s"},
-    {"vstop", 0, (1 << 18) - 1, "stop velocity, f/2^24 Hz"},
-    {"tzerowait", 0, (1 << 16) - 1, "standstill after a stop, 512/f s"},
-    {"xtarget", INT32_MIN, INT32_MAX, "target position, microsteps"},
-    {"rampmode", 0, 3, "0 position, 1 velocity +, 2 velocity -, 3 hold"},
-    {"xactual", INT32_MIN, INT32_MAX, "actual position, microsteps"},
-    {"sw_mode", 0, (1 << 12) - 1, "what the stop switches do, bits"},
-}};
+constexpr std::string_view modes[] = {"position", "velocity_positive", "velocity_negative", "hold"};
+// Addresses from the vendor's register headers, bits from the data sheets.
+// clang-format off
+constexpr auto table = std::to_array<RegisterInfo>({
+    {"vstart", 0, (1 << 18) - 1, "start velocity, f/2^24 Hz", {0x23, 0, 18}},
+    {"a1", 0, (1 << 16) - 1, "acceleration up to V1, f^2/2^41 Hz/s", {0x24, 0, 16}},
+    {"v1", 0, (1 << 20) - 1, "velocity at which A1 and D1 end, f/2^24 Hz; 0 turns them off", {0x25, 0, 20}},
+    {"amax", 0, (1 << 16) - 1, "acceleration above V1 and in velocity mode, f^2/2^41 Hz/s", {0x26, 0, 16}},
+    {"vmax", 0, (1 << 23) - 512, "target velocity, f/2^24 Hz", {0x27, 0, 23}},
+    {"dmax", 0, (1 << 16) - 1, "deceleration down to V1, f^2/2^41 Hz/s", {0x28, 0, 16}},
+    {"d1", 0, (1 << 16) - 1, "deceleration below V1, f^2/2^41 Hz/s", {0x2A, 0, 16}},
+    {"vstop", 0, (1 << 18) - 1, "stop velocity, f/2^24 Hz", {0x2B, 0, 18}},
+    {"tzerowait", 0, (1 << 16) - 1, "standstill after a stop, 512/f s", {0x2C, 0, 16}},
+    {"xtarget", INT32_MIN, INT32_MAX, "target position, microsteps", {0x2D, 0, 32}},
+    {"rampmode", 0, 3, "how it drives", {0x20, 0, 2}, modes},
+    {"xactual", INT32_MIN, INT32_MAX, "actual position, microsteps", {0x21, 0, 32}},
+    {"sw_mode", 0, (1 << 12) - 1, "what the stop switches do, bits", {0x34, 0, 12}},
+});
+// clang-format on
 
 constexpr int sign(std::int64_t x) { return (x > 0 ? 1 : 0) - (x < 0 ? 1 : 0); }
 
@@ -73,9 +78,7 @@ SixPoint::SixPoint() { registers_[static_cast<std::size_t>(Register::vstop)] = 1
 
 Written SixPoint::write(Register name, std::int64_t value) {
   const auto& info = table[static_cast<std::size_t>(name)];
-  if (value < info.minimum || value > info.maximum) {
-    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
-  }
+  if (!info.takes(value)) return out_of_range(info, value);
   const bool was_reached = position_reached();
   if (name == Register::xactual) {
     position_ = static_cast<std::uint64_t>(value) << 32;

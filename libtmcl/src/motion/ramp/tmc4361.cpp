@@ -7,6 +7,7 @@
 
 #include "motion/ramp/mentions.hpp"
 #include "motion/ramp/part_name.hpp"
+#include "motion/ramp/register_rows.hpp"
 #include "motion/ramp/s_curve.hpp"
 
 namespace tmcl::ramp {
@@ -27,79 +28,50 @@ constexpr std::int64_t x_greatest = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t v_greatest = x_greatest;
 constexpr std::int64_t a_greatest = (1 << 24) - 1;
 constexpr std::int64_t bow_greatest = (1 << 24) - 1;
-constexpr std::array<RegisterInfo, 15> infos{{
-    {"rampmode", 2, 6, "2 velocity, 6 position, both with S-shaped ramps"},
-    {"xtarget", -x_greatest - 1, x_greatest, "microsteps"},
-    {"xactual", -x_greatest - 1, x_greatest, "microsteps"},
-    {"vmax", -v_greatest, v_greatest,
-     "in the mode velocity where to, else the greatest, 1/256 microsteps/s"},
-    {"amax", 0, a_greatest, "acceleration, 1/4 microsteps/s^2"},
-    {"dmax", 0, a_greatest, "deceleration, as amax"},
-    {"dstop", 0, a_greatest, "deceleration of a soft stop at a switch, as amax"},
-    {"bow1", 0, bow_greatest, "how fast the acceleration rises, microsteps/s^3; 0: steeply"},
-    {"bow2", 0, bow_greatest, "how fast the acceleration falls, as bow1"},
-    {"bow3", 0, bow_greatest, "how fast the deceleration rises, as bow1"},
-    {"bow4", 0, bow_greatest, "how fast the deceleration falls, as bow1"},
-    {"stop_left_en", 0, 1, "1: the left switch stops negative motion"},
-    {"stop_right_en", 0, 1, "1: the right switch stops positive motion"},
-    {"soft_stop_en", 0, 1, "1: a switch stops the motor with dstop, 0: at once"},
-    {"clk_freq", 4'194'304, 32'000'000, "the clock's frequency, Hz"},
-}};
-
-constexpr auto first_bow = static_cast<std::size_t>(Tmc4361::Register::bow1);
+constexpr std::string_view modes[] = {"velocity", "", "", "", "position"};
 
 }  // namespace
 
-std::span<const RegisterInfo> Tmc4361::registers() { return infos; }
+// Without addresses: no command reaches these registers, because another generator drives the
+// trapezoids of a module.
+// clang-format off
+struct Tmc4361::Rows : RowsOf<Tmc4361> {
+  static constexpr auto all = std::to_array<Row>({
+    in<&G::mode_>({"rampmode", 2, 6, "how it drives, with S-shaped ramps", {}, modes}),
+    in<&G::xtarget_>({"xtarget", -x_greatest - 1, x_greatest, "microsteps"}),
+    {{"xactual", -x_greatest - 1, x_greatest, "microsteps"},
+     [](const G& g) { return g.motion().position; },
+     [](G& g, std::int64_t value) { g.track_.place(static_cast<std::int32_t>(value), g.tick_); }},
+    in<&G::vmax_>({"vmax", -v_greatest, v_greatest,
+      "in the mode velocity where to, else the greatest, 1/256 microsteps/s"}),
+    in<&G::amax_>({"amax", 0, a_greatest, "acceleration, 1/4 microsteps/s^2"}),
+    in<&G::dmax_>({"dmax", 0, a_greatest, "deceleration, as amax"}),
+    in<&G::dstop_>({"dstop", 0, a_greatest, "deceleration of a soft stop at a switch, as amax"}),
+    in<&G::bow1_>({"bow1", 0, bow_greatest, "how fast the acceleration rises, microsteps/s^3; 0: steeply"}),
+    in<&G::bow2_>({"bow2", 0, bow_greatest, "how fast the acceleration falls, as bow1"}),
+    in<&G::bow3_>({"bow3", 0, bow_greatest, "how fast the deceleration rises, as bow1"}),
+    in<&G::bow4_>({"bow4", 0, bow_greatest, "how fast the deceleration falls, as bow1"}),
+    in<&G::stop_left_en_>({"stop_left_en", 0, 1, "1: the left switch stops negative motion"}),
+    in<&G::stop_right_en_>({"stop_right_en", 0, 1, "1: the right switch stops positive motion"}),
+    in<&G::soft_stop_en_>({"soft_stop_en", 0, 1, "1: a switch stops the motor with dstop, 0: at once"}),
+    in<&G::clk_freq_>({"clk_freq", 4'194'304, 32'000'000, "the clock's frequency, Hz"}),
+  });
+  static constexpr auto infos = infos_of(all);
+};
+// clang-format on
+
+std::span<const RegisterInfo> Tmc4361::registers() { return Rows::infos; }
 
 Written Tmc4361::write(Register name, std::int64_t value) {
-  const auto index = static_cast<std::size_t>(name);
-  const auto& info = infos[index];
-  const bool no_mode = name == Register::rampmode && value != 2 && value != 6;
-  if (value < info.minimum || value > info.maximum || no_mode) {
-    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
-  }
-  const auto number = static_cast<std::int32_t>(value);
-  switch (name) {
-    case Register::rampmode: mode_ = static_cast<Mode>(number); break;
-    case Register::xtarget: xtarget_ = number; break;
-    case Register::xactual: track_.place(number, tick_); break;
-    case Register::vmax: vmax_ = number; break;
-    case Register::amax: amax_ = number; break;
-    case Register::dmax: dmax_ = number; break;
-    case Register::dstop: dstop_ = number; break;
-    case Register::bow1:
-    case Register::bow2:
-    case Register::bow3:
-    case Register::bow4: bows_[index - first_bow] = number; break;
-    case Register::stop_left_en: stop_left_en_ = number != 0; break;
-    case Register::stop_right_en: stop_right_en_ = number != 0; break;
-    case Register::soft_stop_en: soft_stop_en_ = number != 0; break;
-    case Register::clk_freq: clk_freq_ = number; break;
-  }
+  const auto& row = Rows::all[static_cast<std::size_t>(name)];
+  if (!row.info.takes(value)) return out_of_range(row.info, value);
+  row.write(*this, value);
   planned_ = false;
   return {};
 }
 
 std::int64_t Tmc4361::read(Register name) const {
-  switch (name) {
-    case Register::rampmode: return static_cast<std::int64_t>(mode_);
-    case Register::xtarget: return xtarget_;
-    case Register::xactual: return motion().position;
-    case Register::vmax: return vmax_;
-    case Register::amax: return amax_;
-    case Register::dmax: return dmax_;
-    case Register::dstop: return dstop_;
-    case Register::bow1:
-    case Register::bow2:
-    case Register::bow3:
-    case Register::bow4: return bows_[static_cast<std::size_t>(name) - first_bow];
-    case Register::stop_left_en: return stop_left_en_;
-    case Register::stop_right_en: return stop_right_en_;
-    case Register::soft_stop_en: return soft_stop_en_;
-    case Register::clk_freq: return clk_freq_;
-  }
-  return 0;
+  return Rows::all[static_cast<std::size_t>(name)].read(*this);
 }
 
 // The greatest values are those of the data sheet's section "Internal Ramp Generator Units".
@@ -114,13 +86,12 @@ std::vector<Finding> Tmc4361::findings() const {
   if (dstop_ == 0 && soft_stop_en_ && (stop_left_en_ || stop_right_en_))
     found.push_back({"{}: a switch does not stop the motor", {holds(R::dstop)}});
   const double steepest = std::max(amax_, dmax_) / a_units * clk_freq_ / steepest_clocks;
-  for (std::size_t i = 0; i < bows_.size(); ++i) {
-    const auto bow = holds(static_cast<R>(first_bow + i));
-    if (bows_[i] == 0) {
-      found.push_back({"{}: taken as none, where the data sheet wants at least 1", {bow}});
-    } else if (bows_[i] > steepest) {
+  for (const auto name : {R::bow1, R::bow2, R::bow3, R::bow4}) {
+    if (read(name) == 0) {
+      found.push_back({"{}: taken as none, where the data sheet wants at least 1", {holds(name)}});
+    } else if (static_cast<double>(read(name)) > steepest) {
       found.push_back({"{} is more than the greater of {} and {} allows",
-                       {bow, holds(R::amax), holds(R::dmax)}});
+                       {holds(name), holds(R::amax), holds(R::dmax)}});
     }
   }
   const bool positioning = mode_ == Mode::position;
@@ -161,8 +132,8 @@ Forces Tmc4361::forces() const {
   if (stops_) return {0, dstop_ * a_unit, {infinite}};
   const double bow_unit = a_unit * a_units / ticks_a_second();
   const double steepest = a_greatest * a_unit * clocks_per_tick / steepest_clocks;
-  const auto bow = [&](std::size_t i) { return bows_[i] == 0 ? steepest : bows_[i] * bow_unit; };
-  return {amax_ * a_unit, dmax_ * a_unit, {bow(0), bow(1), bow(2), bow(3)}};
+  const auto bow = [&](std::int32_t value) { return value == 0 ? steepest : value * bow_unit; };
+  return {amax_ * a_unit, dmax_ * a_unit, {bow(bow1_), bow(bow2_), bow(bow3_), bow(bow4_)}};
 }
 
 double Tmc4361::distance() const { return to_double(to_fixed(xtarget_) - track_.at(tick_).x); }

@@ -8,6 +8,7 @@
 
 #include "motion/ramp/mentions.hpp"
 #include "motion/ramp/part_name.hpp"
+#include "motion/ramp/register_rows.hpp"
 #include "motion/ramp/s_curve.hpp"
 
 namespace tmcl::ramp {
@@ -29,67 +30,50 @@ constexpr std::int64_t a_greatest = 0xFFFFFD;
 constexpr double bow_ticks = 1024;
 
 constexpr std::int64_t x_greatest = std::numeric_limits<std::int32_t>::max();
-constexpr std::array<RegisterInfo, 12> infos{{
-    {"mode", 0, 3, "0 position, 2 velocity, 3 hold"},
-    {"x_target", -x_greatest - 1, x_greatest, "microsteps"},
-    {"x_actual", -x_greatest - 1, x_greatest, "microsteps"},
-    {"v_max", 0, v_greatest, "in the mode position, clock/2^30 microsteps/s"},
-    {"v_target", -v_greatest, v_greatest,
-     "in the modes velocity and hold, clock/2^30 microsteps/s"},
-    {"a_max", 0, a_greatest, "acceleration, clock^2/2^42 microsteps/s^2"},
-    {"d_max", 0, a_greatest, "deceleration, as a_max; only 15/16 of it with bow_max > 0"},
-    {"a_max_d_max", 0, a_greatest, "both a_max and d_max; reads a_max"},
-    {"d_stop", 0, a_greatest, "deceleration of a stop event, as a_max"},
-    {"bow_max", 0, 18, "0 trapezoid, n adds 2^(n-1) to the acceleration every 1024 clocks"},
-    {"enable_stop_l", 0, 1, "1: the left switch stops negative motion"},
-    {"enable_stop_r", 0, 1, "1: the right switch stops positive motion"},
-}};
+constexpr std::string_view modes[] = {"position", "", "velocity", "hold"};
 
 }  // namespace
 
-std::span<const RegisterInfo> Tmc457::registers() { return infos; }
+// Addresses from the vendor's register headers, bits from the data sheet.
+// clang-format off
+struct Tmc457::Rows : RowsOf<Tmc457> {
+  static constexpr auto all = std::to_array<Row>({
+    in<&G::mode_>({"mode", 0, 3, "how it drives", {0x00, 0, 2}, modes}),
+    in<&G::x_target_>({"x_target", -x_greatest - 1, x_greatest, "microsteps", {0x09, 0, 32}}),
+    {{"x_actual", -x_greatest - 1, x_greatest, "microsteps", {0x01, 0, 32}},
+     [](const G& g) { return g.motion().position; },
+     [](G& g, std::int64_t value) { g.track_.place(static_cast<std::int32_t>(value), g.tick_); }},
+    in<&G::v_max_>({"v_max", 0, v_greatest, "in the mode position, clock/2^30 microsteps/s", {0x03, 0, 32}}),
+    in<&G::v_target_>({"v_target", -v_greatest, v_greatest,
+      "in the modes velocity and hold, clock/2^30 microsteps/s", {0x04, 0, 32}}),
+    in<&G::a_max_>({"a_max", 0, a_greatest, "acceleration, clock^2/2^42 microsteps/s^2", {0x05, 0, 24}}),
+    in<&G::d_max_>({"d_max", 0, a_greatest,
+      "deceleration, as a_max; only 15/16 of it with bow_max > 0", {0x06, 0, 24}}),
+    {{"a_max_d_max", 0, a_greatest, "both a_max and d_max; reads a_max", {0x0F, 0, 24}},
+     [](const G& g) { return std::int64_t{g.a_max_}; },
+     [](G& g, std::int64_t value) { g.a_max_ = g.d_max_ = static_cast<std::int32_t>(value); }},
+    in<&G::d_stop_>({"d_stop", 0, a_greatest, "deceleration of a stop event, as a_max", {0x07, 0, 24}}),
+    in<&G::bow_max_>({"bow_max", 0, 18,
+      "0 trapezoid, n adds 2^(n-1) to the acceleration every 1024 clocks", {0x08, 0, 5}}),
+    in<&G::enable_stop_l_>({"enable_stop_l", 0, 1, "1: the left switch stops negative motion"}),
+    in<&G::enable_stop_r_>({"enable_stop_r", 0, 1, "1: the right switch stops positive motion"}),
+  });
+  static constexpr auto infos = infos_of(all);
+};
+// clang-format on
+
+std::span<const RegisterInfo> Tmc457::registers() { return Rows::infos; }
 
 Written Tmc457::write(Register name, std::int64_t value) {
-  const auto& info = infos[static_cast<std::size_t>(name)];
-  const bool no_mode = name == Register::mode && value == 1;
-  if (value < info.minimum || value > info.maximum || no_mode) {
-    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
-  }
-  const auto number = static_cast<std::int32_t>(value);
-  switch (name) {
-    case Register::mode: mode_ = static_cast<Mode>(number); break;
-    case Register::x_target: x_target_ = number; break;
-    case Register::x_actual: track_.place(number, tick_); break;
-    case Register::v_max: v_max_ = number; break;
-    case Register::v_target: v_target_ = number; break;
-    case Register::a_max: a_max_ = number; break;
-    case Register::d_max: d_max_ = number; break;
-    case Register::a_max_d_max: a_max_ = d_max_ = number; break;
-    case Register::d_stop: d_stop_ = number; break;
-    case Register::bow_max: bow_max_ = static_cast<std::uint8_t>(number); break;
-    case Register::enable_stop_l: enable_stop_l_ = number != 0; break;
-    case Register::enable_stop_r: enable_stop_r_ = number != 0; break;
-  }
+  const auto& row = Rows::all[static_cast<std::size_t>(name)];
+  if (!row.info.takes(value)) return out_of_range(row.info, value);
+  row.write(*this, value);
   planned_ = false;
   return {};
 }
 
 std::int64_t Tmc457::read(Register name) const {
-  switch (name) {
-    case Register::mode: return static_cast<std::int64_t>(mode_);
-    case Register::x_target: return x_target_;
-    case Register::x_actual: return motion().position;
-    case Register::v_max: return v_max_;
-    case Register::v_target: return v_target_;
-    case Register::a_max:
-    case Register::a_max_d_max: return a_max_;
-    case Register::d_max: return d_max_;
-    case Register::d_stop: return d_stop_;
-    case Register::bow_max: return bow_max_;
-    case Register::enable_stop_l: return enable_stop_l_;
-    case Register::enable_stop_r: return enable_stop_r_;
-  }
-  return 0;
+  return Rows::all[static_cast<std::size_t>(name)].read(*this);
 }
 
 std::vector<Finding> Tmc457::findings() const {
