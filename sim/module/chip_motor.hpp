@@ -7,7 +7,6 @@
 #include <span>
 
 #include "sim/module/motor.hpp"
-#include "sim/module/register_map.hpp"
 #include "sim/module/tick_clock.hpp"
 #include "tmcl/ramp/generator.hpp"
 #include "tmcl/ramp/passing.hpp"
@@ -51,6 +50,9 @@ class ChipMotor : public Motor {
   static const ramp::RegisterInfo& range_of(Register name) {
     return Chip::registers()[static_cast<std::size_t>(name)];
   }
+  static Register name_of(const ramp::RegisterInfo& info) {
+    return static_cast<Register>(&info - Chip::registers().data());
+  }
 
   /// What is to be written to the register for a value in the unit of the moment; nothing if that
   /// is outside its range.
@@ -85,11 +87,10 @@ class ChipMotor : public Motor {
     return passing.tick == ramp::forever ? never : clock_.of(passing.tick);
   }
 
-  using Field = RegisterField<Chip>;
-  static std::int64_t value_of(const Field& field, std::uint32_t word) {
-    const int spare = 64 - field.bits;
-    const auto high = std::uint64_t{word} >> field.shift << spare;
-    if (range_of(field.name).minimum >= 0) return static_cast<std::int64_t>(high >> spare);
+  static std::int64_t value_of(const ramp::RegisterInfo& info, std::uint32_t word) {
+    const int spare = 64 - info.bits.count;
+    const auto high = std::uint64_t{word} >> info.bits.shift << spare;
+    if (info.minimum >= 0) return static_cast<std::int64_t>(high >> spare);
     return static_cast<std::int64_t>(high) >> spare;
   }
 
@@ -142,12 +143,12 @@ std::int32_t ChipMotor<Chip>::read_chip(std::uint8_t address) {
   if (const auto reading = chip_reading(address)) return *reading;
   const auto kept = words_.find(address);
   auto word = kept == words_.end() ? 0 : kept->second;
-  for (const auto& field : register_map(chip_).fields) {
-    if (field.address != address) continue;
-    const auto value = chip_.read(field.name);
-    if (range_of(field.name).minimum < 0) return static_cast<std::int32_t>(value);
-    const auto mask = ((std::uint64_t{1} << field.bits) - 1) << field.shift;
-    const auto bits = static_cast<std::uint64_t>(value) << field.shift & mask;
+  for (const auto& info : Chip::registers()) {
+    if (!info.bits.are_at(address)) continue;
+    const auto value = chip_.read(name_of(info));
+    if (info.minimum < 0) return static_cast<std::int32_t>(value);
+    const auto mask = ((std::uint64_t{1} << info.bits.count) - 1) << info.bits.shift;
+    const auto bits = static_cast<std::uint64_t>(value) << info.bits.shift & mask;
     word = static_cast<std::uint32_t>((word & ~mask) | bits);
   }
   return static_cast<std::int32_t>(word);
@@ -155,11 +156,14 @@ std::int32_t ChipMotor<Chip>::read_chip(std::uint8_t address) {
 
 template <ramp::Travelling Chip>
 Status ChipMotor<Chip>::write_chip(std::uint8_t address, std::int32_t value) {
-  const auto map = register_map(chip_);
-  const auto word = static_cast<std::uint32_t>(value) & map.word;
+  // A register of a chip is as long as a position.
+  constexpr auto all_bits =
+      static_cast<std::uint32_t>((std::uint64_t{1} << Chip::position_bits) - 1);
+  const auto word = static_cast<std::uint32_t>(value) & all_bits;
   const auto before = chip_;
-  for (const auto& field : map.fields) {
-    if (field.address != address || chip_.write(field.name, value_of(field, word))) continue;
+  for (const auto& info : Chip::registers()) {
+    if (!info.bits.are_at(address)) continue;
+    if (chip_.write(name_of(info), value_of(info, word))) continue;
     chip_ = before;
     return Status::invalid_value;
   }

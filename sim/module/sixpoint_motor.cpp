@@ -45,6 +45,13 @@ bool lets_stop(const ParameterInfo& row, std::int32_t value) {
   return row.name.ends_with("_disable") == (value == 0);
 }
 
+/// What the chip alone writes.
+namespace sixpoint_address {
+constexpr std::uint8_t vactual = 0x22;
+constexpr std::uint8_t ramp_stat = 0x35;
+constexpr std::uint8_t xlatch = 0x36;
+}  // namespace sixpoint_address
+
 }  // namespace
 
 SixPointMotor::SixPointMotor(TimePoint power_on)

@@ -18,6 +18,12 @@ constexpr std::int32_t greatest_velocity = 2047;
 using R = ramp::Tmc429::Register;
 using Mode = ramp::Tmc429::Mode;
 
+/// What the chip alone writes.
+namespace tmc429_address {
+constexpr std::uint8_t a_actual = 0x0E;
+constexpr std::uint8_t x_latched = 0x1C;
+}  // namespace tmc429_address
+
 }  // namespace
 
 Tmc429Motor::Tmc429Motor(TimePoint power_on, const ModuleTraits& traits)

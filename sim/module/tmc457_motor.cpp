@@ -17,6 +17,13 @@ constexpr auto velocity_reached = number_of("velocity_reached");
 using R = ramp::Tmc457::Register;
 using Mode = ramp::Tmc457::Mode;
 
+/// What the chip alone writes.
+namespace tmc457_address {
+constexpr std::uint8_t v_actual = 0x02;
+constexpr std::uint8_t status = 0x0B;
+constexpr std::uint8_t a_actual = 0x0C;
+}  // namespace tmc457_address
+
 }  // namespace
 
 Tmc457Motor::Tmc457Motor(TimePoint power_on)
