@@ -833,11 +833,13 @@ TEST(CtlGenerators, TheTablesNameRegistersAndValuesThatExist) {
     const auto find = [&](std::string_view name) {
       return tmcl::ramp::find_register(generator.registers, name);
     };
-    for (const auto& symbol : generator.symbols) {
-      const auto index = find(symbol.register_name);
-      ASSERT_TRUE(index) << symbol.register_name;
-      EXPECT_GE(symbol.value, generator.registers[*index].minimum);
-      EXPECT_LE(symbol.value, generator.registers[*index].maximum);
+    for (const auto& info : generator.registers) {
+      for (const auto name : info.names) {
+        if (name.empty()) continue;
+        const auto value = info.value_of(name);
+        ASSERT_TRUE(value) << name;
+        EXPECT_TRUE(info.takes(*value)) << name;
+      }
     }
     for (const auto name : generator.written_last) EXPECT_TRUE(find(name)) << name;
     for (const auto& row : generator.defaults) {
@@ -881,8 +883,8 @@ TEST(CtlGenerators, TheHelpNamesThemAll) {
   const auto help = information({"profile", "simulate", "--help"});
   for (const auto& generator : generators()) {
     EXPECT_THAT(help, HasSubstr(std::string(generator.name)));
-    for (const auto& symbol : generator.symbols)
-      EXPECT_THAT(help, HasSubstr(std::string(symbol.name)));
+    for (const auto& info : generator.registers)
+      for (const auto name : info.names) EXPECT_THAT(help, HasSubstr(std::string(name)));
   }
 }
 
