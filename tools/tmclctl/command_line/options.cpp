@@ -224,9 +224,11 @@ std::vector<std::string> register_words(const std::vector<std::string>& names) {
     if (generator->clocked) words.push_back(fmt::format("{}=", profile::clock_name));
     return words;
   }
-  for (const auto& symbol : generator->symbols) {
-    if (symbol.register_name == names[1]) words.emplace_back(symbol.name);
-  }
+  const auto index = tmcl::ramp::find_register(generator->registers, names[1]);
+  if (!index) return {};
+  const auto& of_values = generator->registers[*index].names;
+  words.assign(of_values.begin(), of_values.end());
+  std::erase(words, "");
   return words;
 }
 

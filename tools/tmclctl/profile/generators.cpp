@@ -15,47 +15,19 @@ namespace {
 
 using namespace tmcl::ramp;
 
-constexpr Symbol tmc429_symbols[] = {
-    {"mode", "ramp", 0},
-    {"mode", "soft", 1},
-    {"mode", "velocity", 2},
-    {"mode", "hold", 3},
-    {"last_step", "r3", 0},
-    {"last_step", "r1", 1},
-    {"last_step", "r2", 2},
-    {"factor_rule", "percent_99", 0},
-    {"factor_rule", "percent_95", 1},
-    {"factor_rule", "percent_98_8", 2},
-    {"factor_rule", "nearest", 3},
-    {"factor_rule", "nearest_less_one", 4},
-    {"order", "ramp_first", 0},
-    {"order", "pulse_first", 1},
-    {"accumulator", "cleared", 0},
-    {"accumulator", "kept", 1},
-};
 // As the firmware of the modules writes it: without it a motor need not arrive.
 constexpr Default tmc429_defaults[] = {{"v_min", 1}};
 constexpr std::string_view tmc429_last[] = {"pmul",     "pdiv",     "mode",
                                             "v_target", "v_actual", "x_target"};
 
-constexpr Symbol tmc457_symbols[] = {
-    {"mode", "position", 0}, {"mode", "velocity", 2}, {"mode", "hold", 3}};
 constexpr std::string_view tmc457_last[] = {"mode", "v_target", "x_target"};
 
-constexpr Symbol tmc4361_symbols[] = {{"rampmode", "velocity", 2}, {"rampmode", "position", 6}};
 constexpr std::string_view tmc4361_last[] = {"rampmode", "xtarget"};
 
-constexpr Symbol sixpoint_symbols[] = {
-    {"rampmode", "position", 0},
-    {"rampmode", "velocity_positive", 1},
-    {"rampmode", "velocity_negative", 2},
-    {"rampmode", "hold", 3},
-};
 // The data sheet asks for both: at least 10, and not below vstart.
 constexpr Default sixpoint_defaults[] = {{"vstop", 10, "vstart"}};
 constexpr std::string_view sixpoint_last[] = {"rampmode", "xtarget"};
 
-constexpr Symbol mc1451a_symbols[] = {{"profile", "s_curve", 0}, {"profile", "trapezoidal", 1}};
 constexpr Scale mc1451a_scales[] = {{"velocity", 16, "steps/cycle"},
                                     {"acceleration", 16, "steps/cycle^2"},
                                     {"jerk", 32, "steps/cycle^3"}};
@@ -67,9 +39,9 @@ std::unique_ptr<Simulation> simulate(Script script) {
 }
 
 template <Generator G>
-GeneratorInfo info(std::span<const Symbol> symbols, std::span<const Default> defaults,
+GeneratorInfo info(std::span<const Default> defaults,
                    std::span<const std::string_view> written_last) {
-  return {G::chip, G::registers(),      symbols,    defaults, written_last, "s", "microsteps",
+  return {G::chip, G::registers(),      defaults,   written_last, "s", "microsteps",
           true,    G::ticks_per_second, simulate<G>};
 }
 
@@ -82,11 +54,10 @@ const Scale* GeneratorInfo::scale_of(std::string_view register_name) const {
 
 std::span<const GeneratorInfo> generators() {
   static const auto all = [] {
-    std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last),
-                    info<Tmc457>(tmc457_symbols, {}, tmc457_last),
-                    info<Tmc4361>(tmc4361_symbols, {}, tmc4361_last),
-                    info<SixPoint>(sixpoint_symbols, sixpoint_defaults, sixpoint_last),
-                    info<Mc1451a>(mc1451a_symbols, {}, mc1451a_last)};
+    std::array rows{info<Tmc429>(tmc429_defaults, tmc429_last), info<Tmc457>({}, tmc457_last),
+                    info<Tmc4361>({}, tmc4361_last),
+                    info<SixPoint>(sixpoint_defaults, sixpoint_last),
+                    info<Mc1451a>({}, mc1451a_last)};
     // Its data sheet counts in cycles and steps, however long a cycle is.
     rows.back().time_unit = "cycles";
     rows.back().length_unit = "steps";

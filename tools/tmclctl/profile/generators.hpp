@@ -11,13 +11,6 @@
 
 namespace tmclctl::profile {
 
-/// A value that has a name.
-struct Symbol {
-  std::string_view register_name;
-  std::string_view name;
-  std::int64_t value;
-};
-
 /// What a register is given if the command line does not mention it.
 struct Default {
   std::string_view register_name;
@@ -39,7 +32,6 @@ struct Scale {
 struct GeneratorInfo {
   std::string_view name;
   std::span<const tmcl::ramp::RegisterInfo> registers;
-  std::span<const Symbol> symbols;
   std::span<const Default> defaults;
   /// What sets the motor going, or depends on the others: written after them, in this order.
   std::span<const std::string_view> written_last;

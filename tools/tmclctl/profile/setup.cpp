@@ -70,9 +70,7 @@ class SetupReader {
  private:
   Result<std::int64_t> read_value(const std::string& words, const RegisterInfo& info,
                                   std::string_view text) const {
-    for (const auto& symbol : generator_.symbols) {
-      if (symbol.register_name == info.name && symbol.name == text) return symbol.value;
-    }
+    if (const auto named = info.value_of(text)) return *named;
     std::int64_t value = 0;
     const auto problem = read_integer(text, value).ec;
     if (problem == std::errc{}) return value;
@@ -101,11 +99,9 @@ class SetupReader {
                     tmcl::plain_number(scale.in_unit(info.maximum), 10), scale.unit));
   }
 
-  std::string names_of_values(const RegisterInfo& info, std::string_view text) const {
-    std::vector<std::string_view> names;
-    for (const auto& symbol : generator_.symbols) {
-      if (symbol.register_name == info.name) names.push_back(symbol.name);
-    }
+  static std::string names_of_values(const RegisterInfo& info, std::string_view text) {
+    std::vector<std::string_view> names(info.names.begin(), info.names.end());
+    std::erase(names, "");
     return names.empty() ? std::string{} : choice(text, names);
   }
 
