@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <map>
 #include <random>
 #include <set>
 
@@ -55,6 +56,27 @@ class SimFamilies : public SimTest {
 constexpr auto ok = Status::ok;
 constexpr auto no_type = Status::wrong_type;
 constexpr auto no_value = Status::invalid_value;
+
+// ---- Registers ---------------------------------------------------------------------------------
+
+template <class Chip>
+void expect_bits_apart() {
+  std::map<std::uint8_t, std::uint64_t> taken;
+  for (const auto& info : Chip::registers()) {
+    const auto mask = ((std::uint64_t{1} << info.bits.count) - 1) << info.bits.shift;
+    auto& word = taken[info.bits.address];
+    EXPECT_EQ(word & mask, 0U) << info.name;
+    EXPECT_EQ(mask >> Chip::position_bits, 0U) << info.name;
+    if (info.minimum < 0) EXPECT_EQ(info.bits.shift, 0) << info.name;
+    word |= mask;
+  }
+}
+
+TEST(SimRegisters, ShareNoBitOfTheirChip) {
+  expect_bits_apart<ramp::Tmc429>();
+  expect_bits_apart<ramp::Tmc457>();
+  expect_bits_apart<ramp::SixPoint>();
+}
 
 // ---- Parameters --------------------------------------------------------------------------------
 
