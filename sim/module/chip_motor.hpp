@@ -28,6 +28,8 @@ class ChipMotor : public Motor {
   TimePoint turning() const final { return time_of(ramp::turning(chip_, clock_.at(never))); }
   void set_switches(bool left, bool right) final { chip_.set_switches(left, right); }
 
+  void set_position(std::int32_t position) final;
+
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
 
@@ -122,6 +124,12 @@ TimePoint ChipMotor<Chip>::passing(std::int64_t back, std::int64_t ahead) const 
   constexpr auto longest = ramp::longest_way<Chip>;
   return time_of(
       ramp::passing(chip_, std::min(back, longest), std::min(ahead, longest), clock_.at(never)));
+}
+
+template <ramp::Travelling Chip>
+void ChipMotor<Chip>::set_position(std::int32_t position) {
+  for (const auto number : {axis_parameter::target_position, axis_parameter::actual_position})
+    chip_.write(find(number)->name, position);
 }
 
 template <ramp::Travelling Chip>

@@ -173,11 +173,6 @@ void SixPointMotor::halt() {
   chip().halt();
 }
 
-void SixPointMotor::set_position(std::int32_t position) {
-  chip().write(R::xtarget, position);
-  chip().write(R::xactual, position);
-}
-
 std::optional<std::int32_t> SixPointMotor::chip_reading(std::uint8_t address) {
   switch (address) {
     case sixpoint_address::vactual: return static_cast<std::int32_t>(chip().motion().velocity);

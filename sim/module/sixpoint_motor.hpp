@@ -30,7 +30,6 @@ class SixPointMotor : public ChipMotor<ramp::SixPoint> {
   std::int64_t speed() const override;
   SwitchWiring wiring() const override { return wiring_; }
   void halt() override;
-  void set_position(std::int32_t position) override;
 
  protected:
   std::optional<std::int32_t> chip_reading(std::uint8_t address) override;

@@ -100,11 +100,6 @@ void Tmc429Motor::halt() {
   chip().write(R::v_actual, 0);
 }
 
-void Tmc429Motor::set_position(std::int32_t position) {
-  chip().write(R::x_target, position);
-  chip().write(R::x_actual, position);
-}
-
 std::optional<std::int32_t> Tmc429Motor::chip_reading(std::uint8_t address) {
   switch (address) {
     case tmc429_address::a_actual: return chip().a_actual();

@@ -27,7 +27,6 @@ class Tmc429Motor final : public ChipMotor<ramp::Tmc429> {
 
   std::int64_t speed() const override;
   void halt() override;
-  void set_position(std::int32_t position) override;
 
  private:
   std::optional<std::int32_t> chip_reading(std::uint8_t address) override;

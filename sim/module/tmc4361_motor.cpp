@@ -108,11 +108,6 @@ std::int64_t BowMotor::speed() const {
   return std::abs(chip().motion().velocity) * velocity_unit.numerator / velocity_unit.denominator;
 }
 
-void BowMotor::set_position(std::int32_t position) {
-  chip().write(R::xtarget, position);
-  chip().write(R::xactual, position);
-}
-
 void BowMotor::place(std::int32_t position, std::int32_t target) {
   stop();
   chip().write(R::xactual, position);

@@ -27,7 +27,6 @@ class BowMotor final : public ChipMotor<ramp::Tmc4361> {
 
   std::int64_t speed() const override;
   void halt() override { chip().halt(); }
-  void set_position(std::int32_t position) override;
 
   std::int32_t target() const { return static_cast<std::int32_t>(chip().read(Register::xtarget)); }
   /// Stands there from now on, and calls that its target.

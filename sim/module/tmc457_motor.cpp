@@ -113,11 +113,6 @@ void Tmc457Motor::halt() {
   chip().write(Mode::velocity);
 }
 
-void Tmc457Motor::set_position(std::int32_t position) {
-  chip().write(R::x_target, position);
-  chip().write(R::x_actual, position);
-}
-
 std::optional<std::int32_t> Tmc457Motor::chip_reading(std::uint8_t address) {
   const auto motion = chip().motion();
   switch (address) {

@@ -29,7 +29,6 @@ class Tmc457Motor final : public ChipMotor<ramp::Tmc457> {
 
   std::int64_t speed() const override;
   void halt() override;
-  void set_position(std::int32_t position) override;
 
  private:
   std::optional<std::int32_t> chip_reading(std::uint8_t address) override;
