@@ -25,7 +25,7 @@ _tmclctl() {
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --model) model=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
-        --sample | --until | --full-steps | --velocity | --acceleration | --show | --with | --pulse-div | --ramp-div | \
+        --sample | --until | --full-steps | --velocity | --acceleration | --show | --with | --as | --motor | --pulse-div | --ramp-div | \
         --unit-mode | --microsteps | --screw-pitch | --units-per-revolution | --unit | --gear-ratio | --jerk | --deceleration | \
         --bow | --clock | --corner-jump | --microsteps-per-unit | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
         --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | --last | -w | --write | -r | --read | -o | --output)
@@ -63,6 +63,9 @@ _tmclctl() {
     --direct)
       mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ usb: can: tcp: auto" -- "$current")
       compopt -o nospace
+      return ;;
+    --as)
+      mapfile -t COMPREPLY < <(compgen -W "sap tmc c json" -- "$current")
       return ;;
     --show)
       mapfile -t COMPREPLY < <(compgen -W "x,v x,v,a v,a v,a,j x,v,a,j" -- "$current")

@@ -165,6 +165,7 @@ TEST(TmclctlProfile, BashCompletesGeneratorsRegistersAndValues) {
   EXPECT_EQ(complete(simulate + "--model TMCM-142 max_vel", 5), "max_velocity=\n");
   EXPECT_EQ(complete(simulate + "--model TMCM-142 max_velocity = 2", 7), "\n");
   EXPECT_EQ(complete(simulate + "--show v", 4), "v,a v,a,j\n");
+  EXPECT_EQ(complete("tmclctl ramp --as s", 3), "sap\n");
 }
 
 }  // namespace

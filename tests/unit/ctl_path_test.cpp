@@ -1,11 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include "ctl_fixture.hpp"
 #include "support/temp_path.hpp"
+#include "tmcl/ramp/sixpoint.hpp"
 
 namespace tmclctl {
 namespace {
@@ -70,6 +74,48 @@ TEST_F(CtlPath, LegsAreToldAsRampGeneratorsTakeThem) {
   EXPECT_THAT(out, Not(HasSubstr("MICROSTEPS")));
   EXPECT_EQ(run({"path", "check", file("t,x\n0,0\n1,5\n"), "--legs"}), ExitCode::done) << err;
   EXPECT_THAT(out, HasSubstr("has no legs"));
+}
+
+// What the table writes is what the chip needs to go along the path.
+TEST_F(CtlPath, LegsAreATableThatDrivesTheChip) {
+  using tmcl::ramp::SixPoint;
+  const auto corner = file("G1 X10 Y4 F1200\nG1 Y10\nG1 X-3\n");
+  const std::vector<std::string> words{"path",       "check",  corner,
+                                       "--velocity", "20",     "--acceleration",
+                                       "500",        "--legs", "--microsteps-per-unit",
+                                       "1000"};
+  auto as_c = words;
+  as_c.insert(as_c.end(), {"--as", "c"});
+  ASSERT_EQ(run(as_c), ExitCode::done) << err;
+  const auto table = out;
+  const auto legs = json(words).at("leg_table").as_array();
+  std::array<SixPoint, 2> axes;
+  const std::regex row(R"(\{(\d), 0x(\w+), (-?\d+)\})");
+  std::size_t writes = 0;
+  for (auto found = std::sregex_iterator(table.begin(), table.end(), row);
+       found != std::sregex_iterator(); ++found) {
+    auto& axis = axes.at(std::stoul((*found)[1]));
+    const auto address = std::stoul((*found)[2], nullptr, 16);
+    const auto info = std::ranges::find_if(SixPoint::registers(), [&](const auto& one) {
+      return one.bits.are_at(static_cast<std::uint8_t>(address));
+    });
+    ASSERT_NE(info, SixPoint::registers().end());
+    const auto name = static_cast<SixPoint::Register>(info - SixPoint::registers().begin());
+    EXPECT_TRUE(axis.write(name, std::stoll((*found)[3])));
+    if (++writes % 12 != 0) continue;
+    // All of a leg is written.
+    const auto& leg = legs.at(writes / 12 - 1).as_object();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto duration = leg.at("t4_s").to_number<double>() - leg.at("t1_s").to_number<double>();
+      const auto ticks = SixPoint::ticks_per_second(16e6) * (duration * 1.1 + 0.01);
+      axes.at(i).advance_to(axes.at(i).tick() + static_cast<tmcl::ramp::Tick>(ticks));
+      EXPECT_EQ(axes.at(i).motion().position,
+                leg.at("axes").at(i).at("registers").at("target").to_number<std::int64_t>());
+    }
+  }
+  EXPECT_EQ(writes, 3U * 2 * 6);
+  EXPECT_EQ(run({"path", "check", corner, "--as", "c"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("--as c needs --legs"));
 }
 
 TEST_F(CtlPath, RampsAreToldInWholeNumbersOfRegisters) {

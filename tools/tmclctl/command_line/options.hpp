@@ -14,6 +14,7 @@
 #include "connection/gateway.hpp"
 #include "exit_code.hpp"
 #include "plot/shown.hpp"
+#include "profile/ramp_export.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "verb_info.hpp"
 
@@ -209,6 +210,7 @@ struct CheckPath {
   bool legs = false;
   std::optional<double> microsteps_per_unit;
   double clock_hz = 16e6;
+  bool in_c = false;  ///< The registers of the legs, as a table.
 };
 /// And run on axes.
 struct RunPath {
@@ -254,6 +256,8 @@ struct Ramp {
   std::string acceleration;
   std::string deceleration;  ///< Empty: the acceleration.
   std::string jerk;          ///< Or "max"; empty: the bow is left as it is.
+  std::optional<profile::ExportForm> as;
+  std::uint8_t motor = 0;  ///< That `as` is for.
   bool dry_run = false;
   bool internal = false;
 };

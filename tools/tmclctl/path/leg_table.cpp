@@ -54,6 +54,26 @@ json::object registers_json(const AxisRamp& ramp, const ChipScale& chip) {
           {"dmax", acceleration(ramp.dmax)}};
 }
 
+/// As the chip calls what a leg calls so. The target comes last: it starts the ramp.
+struct LegRegister {
+  const char* key;
+  std::string_view name;
+};
+constexpr std::array leg_registers{
+    LegRegister{"vstart", "vstart"}, LegRegister{"vmax", "vmax"}, LegRegister{"vstop", "vstop"},
+    LegRegister{"amax", "amax"},     LegRegister{"dmax", "dmax"}, LegRegister{"target", "xtarget"}};
+
+std::string rows_in_c(const json::object& registers, std::size_t axis) {
+  std::string rows;
+  const auto infos = tmcl::ramp::SixPoint::registers();
+  for (const auto& [key, name] : leg_registers) {
+    const auto& info = infos[tmcl::ramp::find_register(infos, name).value()];
+    rows += fmt::format("    {{{}, 0x{:02X}, {}}}, /* {} */\n", axis, info.bits.address,
+                        integer_at<std::int64_t>(registers, key), name);
+  }
+  return rows;
+}
+
 /// The greatest value of the register that holds this; of the target there is no need to ask.
 std::int64_t greatest_of(std::string_view key) {
   const auto registers = tmcl::ramp::SixPoint::registers();
@@ -107,6 +127,33 @@ json::array leg_table(const tmcl::plan::Course& course, const std::vector<std::s
                                 {"axes", std::move(ramps)}});
   }
   return legs;
+}
+
+std::string legs_in_c(const json::array& legs, const ChipScale& scale) {
+  std::string rows;
+  std::string names;
+  for (const auto& leg : legs) {
+    const auto& row = leg.as_object();
+    rows += fmt::format("    /* line {}, {:.4f} s to {:.4f} s */\n",
+                        integer_at<std::size_t>(row, "line"), number_at(row, "t1_s").value_or(0),
+                        number_at(row, "t4_s").value_or(0));
+    const auto& axes = array_at(row, "axes");
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const auto& axis = axes[i].as_object();
+      rows += rows_in_c(object_at(axis, "registers"), i);
+      if (&leg == &legs.front())
+        names += fmt::format("{}{} {}", names.empty() ? "" : ", ", i, text_at(axis, "axis"));
+    }
+  }
+  return fmt::format(
+      "/* For a TMC5130, TMC5160 or TMC5072 at {:.0f} Hz, first motor, rampmode 0, v1 0.\n"
+      "   Axes: {}. All of a leg is written at its beginning, each xtarget last. */\n"
+      "static const struct {{\n"
+      "  unsigned char axis;\n"
+      "  unsigned char address;\n"
+      "  long value;\n"
+      "}} legs[] = {{\n{}}};\n",
+      scale.clock_hz, names, rows);
 }
 
 std::vector<plot::Mark> phases_of(const tmcl::plan::Course& course) {

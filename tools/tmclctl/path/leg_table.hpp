@@ -29,6 +29,8 @@ void print_legs(const boost::json::array& legs, Output& output);
 /// Of ramps that are beyond the registers: the first of each axis, and what would do.
 std::vector<std::string> beyond_registers(const boost::json::array& legs, const ChipScale& scale);
 
+/// What is to be written for each leg, as a table in C: of legs with registers.
+std::string legs_in_c(const boost::json::array& legs, const ChipScale& scale);
 /// T1 to T4 of each leg, where there are few; nothing otherwise.
 std::vector<plot::Mark> phases_of(const tmcl::plan::Course& course);
 

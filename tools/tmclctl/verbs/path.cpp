@@ -46,7 +46,9 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   if (verb.microsteps_per_unit) chip = path::ChipScale{*verb.microsteps_per_unit, verb.clock_hz};
   if (verb.legs) legs = path::leg_table(*planned, source->path.axes, chip);
   if (chip) warn(path::beyond_registers(legs, *chip), output);
-  if (output.json) {
+  if (verb.in_c) {
+    output.out << path::legs_in_c(legs, *chip);
+  } else if (output.json) {
     auto document = tmcl::api::to_json(course);
     if (verb.legs) document["leg_table"] = std::move(legs);
     document["file"] = verb.file;
@@ -84,6 +86,7 @@ register is a warning with the number that would do.
   tmclctl path check part.csv --svg part.svg
   tmclctl path check part.ngc --show v,a
   tmclctl path check part.ngc --legs --microsteps-per-unit 10240
+  tmclctl path check part.ngc --legs --microsteps-per-unit 10240 --as c
   tmclctl --json path check part.ngc
 )";
 
@@ -106,6 +109,19 @@ Form add_path(Grammar& grammar) {
                "By how much an axis may change its speed at once in a corner, a second",
                number(check->corner_jump, least_of_path, most_of_path));
   plot::add_show(check, check->show);
+  auto& said = *check.operator->();
+  check.option("--as", "c",
+               "With --legs --microsteps-per-unit: print the registers as a table in C",
+               [&said](const std::string& text) -> Reading {
+                 if (text != "c") return tl::unexpected(fmt::format("'{}' is not c", text));
+                 said.in_c = true;
+                 return {};
+               });
+  check.object([](const verb::CheckPath& verb, bool json) {
+    if (verb.in_c && (!verb.legs || !verb.microsteps_per_unit))
+      return "--as c needs --legs and --microsteps-per-unit";
+    return verb.in_c && json ? "--as and --json exclude each other" : "";
+  });
   check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
              check->legs);
   check.option("--microsteps-per-unit", "NUMBER",

@@ -1,4 +1,6 @@
 // ramp.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -7,6 +9,7 @@
 #include "api/ramp_view.hpp"
 #include "axis/offline_axis.hpp"
 #include "output/print.hpp"
+#include "profile/ramp_export.hpp"
 #include "tmcl/api/axis.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
@@ -234,6 +237,36 @@ void show_offline(const verb::Ramp& verb, const Ramp& ramp, const plan::RampWish
   warn(ramp.remarks, output);
 }
 
+/// Of one motor of the model, for other programs.
+Result<void> print_export(const verb::Ramp& verb, const Ramp& ramp, const tmcl::Model& model,
+                          Output& output) {
+  if (verb.motor >= model.axes) {
+    return tl::unexpected(
+        usage_error("out_of_range", fmt::format("a {} has no motor {}", model.name, verb.motor)));
+  }
+  profile::RampExport to_export{model, verb.motor, gives_text(verb, ramp), {}};
+  for (const auto& setting : ramp.settings)
+    to_export.settings.push_back({static_cast<std::uint8_t>(setting.number), setting.value});
+  warn(ramp.warnings, output);
+  if (*verb.as == profile::ExportForm::c && chip_words(to_export).empty()) {
+    return tl::unexpected(usage_error(
+        "not_foreseeable",
+        fmt::format("the firmware of a {} makes its ramps, in no registers of a chip", model.name),
+        "--as sap is of its parameters"));
+  }
+  output.out << text_of(to_export, *verb.as);
+  return {};
+}
+
+Reading read_form(const std::string& text, std::optional<profile::ExportForm>& form) {
+  constexpr std::array<std::string_view, 4> names{"sap", "tmc", "c", "json"};
+  const auto found = std::ranges::find(names, text);
+  if (found == names.end())
+    return tl::unexpected(fmt::format("'{}' is none of sap, tmc, c and json", text));
+  form = static_cast<profile::ExportForm>(found - names.begin());
+  return {};
+}
+
 Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
   const auto units = axis_units_of(verb.offline);
   if (!units) return tl::unexpected(units.error());
@@ -245,6 +278,8 @@ Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
   if (units->has_unit()) unit = 1 / std::abs(tmcl::microsteps_per_unit(*units->scale));
   auto ramp = tmcld::view_of(*planned, *units->model, unit);
   if (unit) ramp.unit = units->scale->unit;
+  if (verb.as)
+    return print_export(verb, ramp, *units->model, output).map([] { return ExitCode::done; });
   show_offline(verb, ramp, *wish, *units, output);
   return ExitCode::done;
 }
@@ -277,9 +312,11 @@ up to speed, and how far that is.
 
 With --model instead of AXIS it computes the same of an axis that need not be there: a module as it is
 when it starts, with the screw or what else it drives. It shows the registers of the chip beside the
-parameters, and how far what they give is off the wish.
+parameters, and how far what they give is off the wish. --as prints them for other programs: sap and tmc
+are lines and a program that 'tmclctl program' assembles, c is a table of the chip's registers at 16 MHz.
 
   tmclctl ramp --model TMCM-142 --screw-pitch 5 --velocity 20mm/s --acceleration 500mm/s^2 --jerk max
+  tmclctl ramp --model TMCM-142 --velocity 20rps --acceleration 50rps/s --as sap --motor 0
   tmclctl ramp --model TMCM-6212 --units-per-revolution 360 --unit deg --velocity 90deg/s --acceleration 2rps/s
 )";
 
@@ -300,10 +337,17 @@ void add_ramp(Grammar& grammar) {
   ramp.option("--jerk", "JERK",
               "How fast the acceleration changes, such as 500mm/s^3, or max; as it is without",
               text(ramp->jerk));
+  auto& typed = *ramp.operator->();
+  ramp.option("--as", "FORM", "With --model: print it for other programs: sap, tmc, c or json",
+              [&typed](const std::string& text) { return read_form(text, typed.as); });
+  ramp.option("--motor", "N", "With --as sap and tmc: of the module (default 0)",
+              number(ramp->motor, 0, 255));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
   ramp.internal(ramp->internal);
   ramp.alone([](const verb::Ramp& said) { return said.offline.is_meant(); }, run_on_model);
-  ramp.object([](const verb::Ramp& said, bool) -> std::string {
+  ramp.object([](const verb::Ramp& said, bool json) -> std::string {
+    if (said.as && !said.offline.is_meant()) return "--as needs --model";
+    if (said.as && json) return "--as and --json exclude each other";
     if (said.axis.empty() == !said.offline.is_meant()) return "name an axis, or say --model MODEL";
     return objection_to(said.offline);
   });
