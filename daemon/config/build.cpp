@@ -1,71 +1,51 @@
 #include "config/build.hpp"
 
 #include <algorithm>
-#include <string>
+#include <string_view>
 #include <utility>
-#include <variant>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "config/build_sections.hpp"
 
 namespace tmcld {
 namespace {
 
-/// The same for sections that say the same, wherever they stand.
-std::string text_of(const ConfigSection& section) {
-  auto text = fmt::format("{}\n", title_of(section.kind));
-  for (const auto& [key, entry] : section.values) {
-    const auto value =
-        std::visit([](const auto& said) { return fmt::format("{}", said); }, entry.value);
-    text += fmt::format("{} = {}\n", key, value);
-  }
-  return text;
+void note_text(Config& config, const Said<std::string>& bus, const Section& section) {
+  const auto found =
+      std::ranges::find_if(config.buses, [&](const auto& one) { return bus == one.name; });
+  (found == config.buses.end() ? config.others : found->said) += section.text;
 }
 
-void note_text(Draft& draft, const ConfigSection& section) {
-  if (section.kind == SectionKind::daemon || section.kind == SectionKind::access) return;
-  const bool is_bus = section.kind == SectionKind::bus;
-  const bool is_on_bus = section.kind == SectionKind::module || section.kind == SectionKind::axis;
-  const auto* name = section.get<std::string>(is_bus ? "name" : "bus");
-  const auto bus = name == nullptr || !(is_bus || is_on_bus)
-                       ? draft.config.buses.end()
-                       : std::ranges::find(draft.config.buses, *name, &BusConfig::name);
-  (bus == draft.config.buses.end() ? draft.config.others : bus->said) += text_of(section);
+void note_texts(Config& config, const ConfigText& text) {
+  for (const auto& bus : text.buses) note_text(config, bus.name, bus);
+  for (const auto& module : text.modules) note_text(config, module.bus, module);
+  for (const auto& axis : text.axes) note_text(config, axis.bus, axis);
+  for (const auto& section : text.http) config.others += section.text;
+  for (const auto& section : text.ports) config.others += section.text;
 }
 
 void check_whole(Draft& draft) {
-  if (draft.config.buses.size() > max_buses) {
-    draft.complain({}, "more than " + std::to_string(max_buses) + " buses");
-  }
-  if (draft.config.axes.size() > max_axes) {
-    draft.complain({}, "more than " + std::to_string(max_axes) + " axes");
-  }
-  if (draft.config.ports.size() > max_ports) {
-    draft.complain({}, "more than " + std::to_string(max_ports) + " ports");
-  }
+  const auto check = [&](std::size_t count, std::size_t most, std::string_view what) {
+    if (count > most) draft.complain(Place{}, fmt::format("more than {} {}", most, what));
+  };
+  check(draft.config.buses.size(), max_buses, "buses");
+  check(draft.config.axes.size(), max_axes, "axes");
+  check(draft.config.ports.size(), max_ports, "ports");
 }
-
-struct Step {
-  SectionKind kind;
-  void (*add)(Draft& draft, const ConfigSection& section);
-};
-
-// What others refer to comes first.
-constexpr Step steps[] = {{SectionKind::daemon, add_daemon}, {SectionKind::access, add_access},
-                          {SectionKind::bus, add_bus},       {SectionKind::module, add_module},
-                          {SectionKind::axis, add_axis},     {SectionKind::port, add_port}};
 
 }  // namespace
 
-Config build_config(std::span<const ConfigSection> sections, tmcl::TextProblems& problems) {
-  Draft draft(sections, problems);
-  for (const auto& step : steps) {
-    for (const auto& section : sections)
-      if (section.kind == step.kind) step.add(draft, section);
-  }
-  for (const auto& section : sections) note_text(draft, section);
+Config build_config(ConfigText& text) {
+  Draft draft(text);
+  for (const auto& section : text.daemon) add_daemon(draft, section);
+  for (const auto& section : text.access) add_access(draft, section);
+  // What others refer to comes first.
+  for (const auto& section : text.buses) add_bus(draft, section);
+  for (const auto& section : text.modules) add_module(draft, section);
+  for (const auto& section : text.axes) add_axis(draft, section);
+  for (const auto& section : text.ports) add_port(draft, section);
+  note_texts(draft.config, text);
   check_whole(draft);
   return std::move(draft.config);
 }

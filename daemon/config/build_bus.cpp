@@ -3,6 +3,9 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
+
+#include <fmt/format.h>
 
 #include "config/build_sections.hpp"
 #include "config/feeding.hpp"
@@ -31,104 +34,99 @@ std::optional<SentinelConfig> sentinel_of(std::string_view text) {
   return is_good ? std::optional(sentinel) : std::nullopt;
 }
 
-bool applies(LinkScope key, LinkScope link) {
-  return key == LinkScope::any || key == link ||
-         (key == LinkScope::serial_framing && link == LinkScope::tcp);
+void check_links(Draft& draft, const BusSection& section, const tmcl::LinkName& link) {
+  const bool is_tcp = std::holds_alternative<tmcl::TcpName>(link);
+  const auto check = [&](const Given& key, bool means_something, std::string_view links) {
+    if (means_something || key.key.empty()) return;
+    draft.complain(key, fmt::format("'{}' means nothing here: it is for {} links", key.key, links));
+  };
+  check(section.telegram_pause_ms, !is_can(link), "serial: and tcp:");
+  check(section.host_address, !is_can(link), "serial: and tcp:");
+  check(section.can_reply_id, is_can(link), "can:");
+  check(section.can_extended, is_can(link), "can:");
+  check(section.connect_timeout_ms, is_tcp, "tcp:");
 }
 
-void check_scopes(Draft& draft, const ConfigSection& section, const tmcl::LinkName& link) {
-  for (const auto& [key, value] : section.values) {
-    const auto* row = find_key(section.kind, key);
-    if (applies(row->scope, scope_of(link))) continue;
-    draft.complain(value.place, quoted(key) + " means nothing here: it is for " +
-                                    std::string(name_of(row->scope)) + " links");
-  }
-}
-
-tmcl::LinkOptions link_options(const ConfigSection& section) {
+tmcl::LinkOptions link_options(const BusSection& section) {
   tmcl::LinkOptions options;
-  set(section, "can_reply_id", options.can_reply_id);
-  set(section, "connect_timeout_ms", options.connect_timeout);
-  if (const auto* flag = section.get<bool>("can_extended")) options.can_extended = *flag;
+  set(section.can_reply_id, options.can_reply_id);
+  set(section.can_extended, options.can_extended);
+  set(section.connect_timeout_ms, options.connect_timeout);
   return options;
 }
 
-tmcl::BusOptions bus_options(const ConfigSection& section) {
+tmcl::BusOptions bus_options(const BusSection& section) {
   tmcl::BusOptions options;
-  set(section, "reply_timeout_ms", options.reply_timeout);
-  set(section, "telegram_pause_ms", options.telegram_pause);
-  set(section, "quiet_time_ms", options.quiet_time);
-  set(section, "silence_time_ms", options.silence_time);
-  set(section, "attempts", options.attempts);
-  set(section, "host_address", options.host_address);
+  options.name = *section.name;
+  set(section.reply_timeout_ms, options.reply_timeout);
+  set(section.telegram_pause_ms, options.telegram_pause);
+  set(section.quiet_time_ms, options.quiet_time);
+  set(section.silence_time_ms, options.silence_time);
+  set(section.attempts, options.attempts);
+  set(section.host_address, options.host_address);
   return options;
 }
 
-void add_measured(Draft& draft, const ConfigSection& section, ModuleConfig& module) {
-  const auto* path = section.get<std::string>("as");
-  if (path == nullptr) return;
+void set_measured(Draft& draft, const Said<std::string>& path, ModuleConfig& module) {
+  if (!path) return;
   auto measured = read_measured_module(*path);
-  if (!measured) return draft.complain(section.place_of("as"), "'as': " + measured.error());
+  if (!measured) return draft.complain(path, "'as': " + measured.error());
   module.as = *measured;
 }
 
 /// Of the module that was added last.
-void add_deadman(Draft& draft, const ConfigSection& section, BusConfig& bus) {
-  const auto* ms = section.get<std::int64_t>("deadman_ms");
-  if (ms == nullptr) return;
-  bus.modules.back().deadman_ms = static_cast<std::int32_t>(*ms);
-  auto fault = fault_of_deadman(*bus.modules.back().deadman_ms);
+void set_deadman(Draft& draft, const Said<std::uint16_t>& ms, BusConfig& bus) {
+  if (!ms) return;
+  bus.modules.back().deadman_ms = *ms;
+  auto fault = fault_of_deadman(*ms);
   if (fault.empty()) fault = fault_of_feeding(bus);
-  if (!fault.empty()) draft.complain(section.place_of("deadman_ms"), "'deadman_ms' " + fault);
+  if (!fault.empty()) draft.complain(ms, "'deadman_ms' " + fault);
+}
+
+void set_sentinel(Draft& draft, const Said<std::string>& text, ModuleConfig& module) {
+  if (!text) return;
+  const auto sentinel = sentinel_of(*text);
+  if (sentinel) module.sentinel = *sentinel;
+  if (sentinel) return;
+  draft.complain(
+      text, "'sentinel' is " + quoted(*text) +
+                ", but must be auto, tick, settings, none or variable:N with N from 56 to 255");
 }
 
 }  // namespace
 
-void add_bus(Draft& draft, const ConfigSection& section) {
-  const auto* name = draft.new_name(section, draft.config.buses);
-  const auto* text = section.get<std::string>("link");
-  if (text == nullptr) return;
-  auto link = tmcl::parse_link_name(*text);
+void add_bus(Draft& draft, const BusSection& section) {
+  const bool is_named = draft.has_new_name(section, draft.config.buses);
+  if (!section.link) return;
+  auto link = tmcl::parse_link_name(*section.link);
   if (!link) {
     const auto& error = link.error();
-    return draft.complain(section.place_of("link"),
+    return draft.complain(section.link,
                           error.message + (error.hint.empty() ? "" : ": " + error.hint));
   }
-  check_scopes(draft, section, *link);
+  check_links(draft, section, *link);
   for (const auto& other : draft.config.buses) {
     if (to_string(other.link) != to_string(*link)) continue;
-    draft.complain(section.place_of("link"),
-                   "bus " + quoted(other.name) + " already uses this link");
+    draft.complain(section.link, "bus " + quoted(other.name) + " already uses this link");
   }
-  if (name == nullptr) return;
+  if (!is_named) return;
   draft.config.buses.push_back(
-      {*name, std::move(*link), link_options(section), bus_options(section)});
-  draft.config.buses.back().bus_options.name = *name;
+      {*section.name, std::move(*link), link_options(section), bus_options(section)});
 }
 
-void add_module(Draft& draft, const ConfigSection& section) {
-  const auto* bus_name = section.get<std::string>("bus");
-  const auto* number = section.get<std::int64_t>("address");
-  auto* bus = bus_name == nullptr ? nullptr : draft.find_bus(section, *bus_name);
-  if (bus == nullptr || number == nullptr) return;
+void add_module(Draft& draft, const ModuleSection& section) {
+  auto* bus = draft.find_bus(section.bus);
+  if (bus == nullptr || !section.address) return;
   auto& modules = bus->modules;
-  const tmcl::ModuleAddress address{static_cast<std::uint16_t>(*number)};
+  const tmcl::ModuleAddress address{*section.address};
   if (std::ranges::count(modules, address, &ModuleConfig::address) != 0) {
-    draft.complain(section.place_of("address"), "module " + std::to_string(*number) + " on bus " +
-                                                    quoted(*bus_name) + " is given twice");
+    draft.complain(section.address, fmt::format("module {} on bus {} is given twice",
+                                                *section.address, quoted(bus->name)));
   }
   modules.push_back({address});
-  add_deadman(draft, section, *bus);
-  add_measured(draft, section, modules.back());
-  const auto* text = section.get<std::string>("sentinel");
-  if (text == nullptr) return;
-  const auto sentinel = sentinel_of(*text);
-  if (sentinel) modules.back().sentinel = *sentinel;
-  if (sentinel) return;
-  draft.complain(
-      section.place_of("sentinel"),
-      "'sentinel' is " + quoted(*text) +
-          ", but must be auto, tick, settings, none or variable:N with N from 56 to 255");
+  set_deadman(draft, section.deadman_ms, *bus);
+  set_measured(draft, section.as, modules.back());
+  set_sentinel(draft, section.sentinel, modules.back());
 }
 
 }  // namespace tmcld

@@ -1,4 +1,4 @@
-#include "config/build_http.hpp"
+#include "config/build.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -20,15 +20,6 @@ using tmcl::quoted;
 constexpr std::size_t max_listen_addresses = 8;
 constexpr std::size_t max_origins = 16;
 constexpr std::uint8_t first_byte_of_loopback = 127;
-
-struct SectionProblems {
-  const ConfigSection& section;
-  tmcl::TextProblems& all;
-
-  void add(std::string_view key, std::string message) const {
-    all.push_back(section.place_of(key).problem(std::move(message)));
-  }
-};
 
 std::optional<std::uint16_t> port_of(std::string_view text) {
   std::uint16_t port = 0;
@@ -56,19 +47,20 @@ std::optional<HttpAddress> address_of(std::string_view text) {
   return HttpAddress{std::move(host), *port, IN6_IS_ADDR_LOOPBACK(&six) != 0};
 }
 
-void add_addresses(const SectionProblems& problems, HttpConfig& http) {
-  const auto* texts = problems.section.get<ConfigTexts>("listen");
-  if (texts == nullptr) return;
+/// What is wrong goes to `problems`, here and below.
+void add_addresses(const Said<ConfigTexts>& texts, HttpConfig& http, tmcl::TextProblems& problems) {
+  if (!texts) return;
   if (texts->empty() || texts->size() > max_listen_addresses)
-    problems.add("listen",
-                 "'listen' must name 1.." + std::to_string(max_listen_addresses) + " addresses");
+    problems.push_back(texts.problem("'listen' must name 1.." +
+                                     std::to_string(max_listen_addresses) + " addresses"));
   for (const auto& text : *texts) {
     auto address = address_of(text);
     if (address) http.listen.push_back(std::move(*address));
     if (address) continue;
-    problems.add("listen", quoted(text) +
-                               " is no address of this computer with a port, in numbers, such as "
-                               "127.0.0.1:4143, 0.0.0.0:4143 or [::1]:4143");
+    problems.push_back(
+        texts.problem(quoted(text) +
+                      " is no address of this computer with a port, in numbers, such as "
+                      "127.0.0.1:4143, 0.0.0.0:4143 or [::1]:4143"));
   }
 }
 
@@ -81,54 +73,54 @@ bool is_origin(std::string_view text) {
   return false;
 }
 
-void add_origins(const SectionProblems& problems, HttpConfig& http) {
-  const auto* texts = problems.section.get<ConfigTexts>("origins");
-  if (texts == nullptr) return;
+void add_origins(const Said<ConfigTexts>& texts, HttpConfig& http, tmcl::TextProblems& problems) {
+  if (!texts) return;
   if (texts->size() > max_origins)
-    problems.add("origins", "'origins' may name " + std::to_string(max_origins));
+    problems.push_back(texts.problem("'origins' may name " + std::to_string(max_origins)));
   for (const auto& text : *texts) {
     if (is_origin(text)) http.origins.push_back(text);
     if (is_origin(text)) continue;
-    problems.add("origins", quoted(text) +
-                                " is no origin: write it as the browser does, such as "
-                                "https://bench.example or http://localhost:8080");
+    problems.push_back(texts.problem(quoted(text) +
+                                     " is no origin: write it as the browser does, such as "
+                                     "https://bench.example or http://localhost:8080"));
   }
 }
 
-void check_tls(const SectionProblems& problems, const HttpConfig& http) {
-  if (http.certificate.empty() != http.key.empty())
-    problems.add(http.key.empty() ? "certificate" : "key",
-                 "'certificate' and 'key' go together: one of them is missing");
+void set_path(const Said<std::string>& path, std::string& target, tmcl::TextProblems& problems) {
+  if (path && path->empty())
+    problems.push_back(path.problem(quoted(path.key) + " must be the path of a file"));
+  target = path.value_or("");
+}
+
+void check_tls(const HttpSection& section, const HttpConfig& http, tmcl::TextProblems& problems) {
+  if (http.certificate.empty() != http.key.empty()) {
+    const auto& alone = http.key.empty() ? section.certificate : section.key;
+    problems.push_back(
+        alone.problem("'certificate' and 'key' go together: one of them is missing"));
+  }
   if (!http.client_ca.empty() && http.certificate.empty())
-    problems.add("client_ca", "'client_ca' needs a 'certificate' and a 'key' of the daemon, too");
+    problems.push_back(section.client_ca.problem(
+        "'client_ca' needs a 'certificate' and a 'key' of the daemon, too"));
   const auto outward =
       std::ranges::find_if(http.listen, [](const HttpAddress& one) { return !one.is_loopback; });
   if (outward == http.listen.end() || !http.certificate.empty()) return;
-  problems.add("listen",
-               outward->host +
-                   " is to be reached from other computers: that needs a 'certificate' and its "
-                   "'key', or tokens could be read on the way. Without one: 127.0.0.1");
+  problems.push_back(section.listen.problem(
+      outward->host +
+      " is to be reached from other computers: that needs a 'certificate' and its 'key', or "
+      "tokens could be read on the way. Without one: 127.0.0.1"));
 }
 
 }  // namespace
 
-HttpConfig build_http(const ConfigSection& section, tmcl::TextProblems& problems) {
+HttpConfig build_http(const HttpSection& section, tmcl::TextProblems& problems) {
   HttpConfig http;
-  const SectionProblems into{section, problems};
-  add_addresses(into, http);
-  add_origins(into, http);
-  const auto text = [&](std::string_view key) {
-    const auto* said = section.get<std::string>(key);
-    if (said != nullptr && said->empty())
-      into.add(key, quoted(key) + " must be the path of a file");
-    return said == nullptr ? std::string() : *said;
-  };
-  http.certificate = text("certificate");
-  http.key = text("key");
-  http.client_ca = text("client_ca");
-  if (const auto* flag = section.get<bool>("loopback_without_token"))
-    http.loopback_without_token = *flag;
-  check_tls(into, http);
+  add_addresses(section.listen, http, problems);
+  add_origins(section.origins, http, problems);
+  set_path(section.certificate, http.certificate, problems);
+  set_path(section.key, http.key, problems);
+  set_path(section.client_ca, http.client_ca, problems);
+  http.loopback_without_token = section.loopback_without_token.value_or(false);
+  check_tls(section, http, problems);
   return http;
 }
 

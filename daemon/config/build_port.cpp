@@ -23,79 +23,70 @@ std::string text_of(const PortPlace& place) {
   return to_string(tmcl::LinkName(std::get<tmcl::CanName>(place)));
 }
 
-Role role_of_port(Draft& draft, const ConfigSection& section) {
+Role role_of_port(Draft& draft, const Said<ConfigTexts>& may) {
   constexpr std::array<std::string_view, 2> words{"move", "configure"};
   auto role = Role::observe;
-  const auto* may = section.get<ConfigTexts>("may");
-  if (may == nullptr) return role;
-  for (const auto& word : *may) {
+  for (const auto& word : may.value_or(ConfigTexts{})) {
     if (word == words[0]) role = std::max(role, Role::operate);
     if (word == words[1]) role = Role::configure;
     if (std::ranges::count(words, word) != 0) continue;
-    draft.complain(section.place_of("may"),
-                   fmt::format("'may' has '{}', but can only have {}.{}", word,
-                               fmt::join(words, " and "), tmcl::did_you_mean(word, words)));
+    draft.complain(may, fmt::format("'may' has '{}', but can only have {}.{}", word,
+                                    fmt::join(words, " and "), tmcl::did_you_mean(word, words)));
   }
   return role;
 }
 
-std::optional<PortPlace> parse_place(Draft& draft, const ConfigSection& section,
-                                     std::string_view key, const std::string& text) {
-  if (key == "pty") {
-    if (!text.empty()) return PtyName{text};
-    draft.complain(section.place_of(key), "'pty' must be a path");
-    return std::nullopt;
-  }
-  auto link = tmcl::parse_link_name(std::string(key) + ":" + text);
+std::optional<PortPlace> link_of_port(Draft& draft, const Said<std::string>& said) {
+  const bool is_can_port = said.key == "can";
+  auto link = tmcl::parse_link_name(fmt::format("{}:{}", said.key, *said));
   if (!link) {
-    const std::string form = key == "tcp" ? "HOST:PORT" : "the name of an interface";
-    draft.complain(section.place_of(key),
-                   fmt::format("'{}' is '{}', but must be {}", key, text, form));
+    draft.complain(said, fmt::format("'{}' is '{}', but must be {}", said.key, *said,
+                                     is_can_port ? "the name of an interface" : "HOST:PORT"));
     return std::nullopt;
   }
   for (const auto& bus : draft.config.buses) {
     if (to_string(bus.link) != to_string(*link)) continue;
-    draft.complain(section.place_of(key), "bus " + quoted(bus.name) + " is there: a port needs " +
-                                              (key == "can" ? "an interface" : "a place") +
-                                              " of its own");
+    draft.complain(said, fmt::format("bus {} is there: a port needs {} of its own",
+                                     quoted(bus.name), is_can_port ? "an interface" : "a place"));
   }
   if (const auto* tcp = std::get_if<tmcl::TcpName>(&*link)) return *tcp;
   return std::get<tmcl::CanName>(*link);
 }
 
+std::optional<PortPlace> place_of_pty(Draft& draft, const Said<std::string>& path) {
+  if (!path->empty()) return PtyName{*path};
+  draft.complain(path, "'pty' must be a path");
+  return std::nullopt;
+}
+
 /// Nothing, and a complaint, if it is not one of the three, or in use.
-std::optional<PortPlace> place_of_port(Draft& draft, const ConfigSection& section) {
-  std::optional<PortPlace> place;
-  constexpr std::array<std::string_view, 3> keys{"pty", "tcp", "can"};
-  const auto given =
-      std::ranges::count_if(keys, [&](auto key) { return section.find(key) != nullptr; });
-  if (given != 1) {
+std::optional<PortPlace> place_of_port(Draft& draft, const PortSection& section) {
+  const auto& pty = section.pty;
+  const auto& tcp = section.tcp;
+  const auto& can = section.can;
+  if (pty.has_value() + tcp.has_value() + can.has_value() != 1) {
     draft.complain(section.place,
                    "[[port]] needs one of 'pty', 'tcp' and 'can': where its hosts find the bus");
-    return place;
+    return std::nullopt;
   }
-  for (const auto key : keys)
-    if (const auto* text = section.get<std::string>(key))
-      place = parse_place(draft, section, key, *text);
-  const auto key =
-      *std::ranges::find_if(keys, [&](auto one) { return section.find(one) != nullptr; });
+  const auto& given = pty ? pty : tcp ? tcp : can;
+  auto place = pty ? place_of_pty(draft, pty) : link_of_port(draft, given);
   for (const auto& other : draft.config.ports) {
     if (!place || text_of(other.place) != text_of(*place)) continue;
-    draft.complain(section.place_of(key), "port " + quoted(other.name) + " is there already");
+    draft.complain(given, "port " + quoted(other.name) + " is there already");
   }
   return place;
 }
 
 }  // namespace
 
-void add_port(Draft& draft, const ConfigSection& section) {
-  const auto* name = draft.new_name(section, draft.config.ports);
-  const auto* bus_name = section.get<std::string>("bus");
-  const auto role = role_of_port(draft, section);
+void add_port(Draft& draft, const PortSection& section) {
+  const bool is_named = draft.has_new_name(section, draft.config.ports);
+  const auto role = role_of_port(draft, section.may);
   const auto place = place_of_port(draft, section);
-  const auto* bus = bus_name == nullptr ? nullptr : draft.find_bus(section, *bus_name);
-  if (bus == nullptr || name == nullptr || !place) return;
-  draft.config.ports.push_back({*name, *bus_name, *place, role});
+  const auto* bus = draft.find_bus(section.bus);
+  if (bus == nullptr || !is_named || !place) return;
+  draft.config.ports.push_back({*section.name, bus->name, *place, role});
 }
 
 }  // namespace tmcld

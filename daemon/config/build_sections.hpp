@@ -6,11 +6,11 @@
 
 namespace tmcld {
 
-void add_daemon(Draft& draft, const ConfigSection& section);
-void add_access(Draft& draft, const ConfigSection& section);
-void add_bus(Draft& draft, const ConfigSection& section);
-void add_module(Draft& draft, const ConfigSection& section);
-void add_axis(Draft& draft, const ConfigSection& section);
-void add_port(Draft& draft, const ConfigSection& section);
+void add_daemon(Draft& draft, const DaemonSection& section);
+void add_access(Draft& draft, const AccessSection& section);
+void add_bus(Draft& draft, const BusSection& section);
+void add_module(Draft& draft, const ModuleSection& section);
+void add_axis(Draft& draft, const AxisSection& section);
+void add_port(Draft& draft, const PortSection& section);
 
 }  // namespace tmcld

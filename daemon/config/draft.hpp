@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,50 +9,58 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "config/config.hpp"
-#include "config/section.hpp"
+#include "config/sections.hpp"
 
 namespace tmcld {
 
-LinkScope scope_of(const tmcl::LinkName& link);
+inline bool is_can(const tmcl::LinkName& link) {
+  return std::holds_alternative<tmcl::CanName>(link);
+}
 
 class Draft {
  public:
-  /// What is wrong is appended to `problems`.
-  Draft(std::span<const ConfigSection> sections, tmcl::TextProblems& problems);
+  /// What is wrong is appended to the problems of the text.
+  explicit Draft(ConfigText& text);
 
   void complain(const Place& place, std::string message) {
     problems_.push_back(place.problem(std::move(message)));
   }
-  /// The name of a section; null, and a complaint, if it is malformed or one of `taken` has it.
-  template <class List>
-  const std::string* new_name(const ConfigSection& section, const List& taken) {
-    const auto* name = usable_name(section);
-    if (name == nullptr || std::ranges::count(taken, *name, &List::value_type::name) == 0)
-      return name;
-    complain_of_second(section, *name);
-    return nullptr;
+  void complain(const Given& key, std::string message) { complain(key.place, std::move(message)); }
+  /// Of a section. False, and a complaint, if its name is malformed or one of `taken` has it.
+  template <class S, class List>
+  bool has_new_name(const S& section, const List& taken) {
+    if (!has_usable_name(section.name)) return false;
+    if (std::ranges::count(taken, *section.name, &List::value_type::name) == 0) return true;
+    complain_of_second(section.name, S::title);
+    return false;
   }
-  /// Null, and a complaint unless it has been complained about already, if there is none.
-  BusConfig* find_bus(const ConfigSection& section, const std::string& name);
+  /// Null if none is named, or if there is none: then with a complaint, unless there was one.
+  BusConfig* find_bus(const Said<std::string>& name);
   /// A number that must be greater than 0.
-  void set_positive(const ConfigSection& section, std::string_view key, std::string_view advice,
-                    double& target);
+  template <class Target>
+  void set_positive(const Said<double>& said, Target& target, std::string_view advice = {}) {
+    if (!said) return;
+    target = *said;
+    check_positive(said, advice);
+  }
   /// One of the names of an enumeration, in its order.
   template <class Choice>
-  void set_choice(const ConfigSection& section, std::string_view key,
-                  std::span<const std::string_view> names, Choice& into) {
-    if (const auto chosen = choice(section, key, names)) into = static_cast<Choice>(*chosen);
+  void set_choice(const Said<std::string>& said, std::span<const std::string_view> names,
+                  Choice& into) {
+    if (const auto chosen = choice(said, names)) into = static_cast<Choice>(*chosen);
   }
 
   Config config;
 
  private:
-  const std::string* usable_name(const ConfigSection& section);
-  void complain_of_second(const ConfigSection& section, const std::string& name);
-  std::optional<std::size_t> choice(const ConfigSection& section, std::string_view key,
+  bool has_usable_name(const Said<std::string>& name);
+  void complain_of_second(const Said<std::string>& name, std::string_view title);
+  void check_positive(const Said<double>& said, std::string_view advice);
+  std::optional<std::size_t> choice(const Said<std::string>& said,
                                     std::span<const std::string_view> names);
 
   tmcl::TextProblems& problems_;
@@ -61,14 +68,10 @@ class Draft {
   bool has_nameless_bus_ = false;
 };
 
-/// Sets `target` to the number of a key, milliseconds for a duration; leaves it if there is none.
-template <class T>
-void set(const ConfigSection& section, std::string_view key, T& target) {
-  if (const auto* value = section.get<std::int64_t>(key)) target = static_cast<T>(*value);
-}
-inline void set(const ConfigSection& section, std::string_view key, tmcl::Duration& target) {
-  if (const auto* value = section.get<std::int64_t>(key))
-    target = std::chrono::milliseconds(*value);
+/// Leaves `target` if nothing was said.
+template <class T, class Target>
+void set(const Said<T>& said, Target& target) {
+  if (said) target = *said;
 }
 
 }  // namespace tmcld

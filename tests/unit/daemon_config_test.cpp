@@ -9,8 +9,8 @@
 
 #include <gmock/gmock.h>
 
-#include "config/keys.hpp"
 #include "config/load.hpp"
+#include "config/sections.hpp"
 #include "support/build_paths.hpp"
 #include "support/temp_path.hpp"
 

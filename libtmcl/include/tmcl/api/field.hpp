@@ -158,7 +158,8 @@ concept IsMethod = Described<T> && requires {
   typename T::Result;
 };
 
-template <Described T, class Object = T>
+/// `Row`: what the declarations of its members make.
+template <Described T, class Object = T, class Row = Field>
 constexpr auto rows_of();
 template <Described T>
 inline constexpr auto rows = rows_of<T>();
@@ -328,31 +329,31 @@ constexpr bool has_row = requires(typename T::Declared declared, Line<line> here
   T::template row_of<T>(declared, here);
 };
 
-template <class T, class Object, std::size_t here>
-constexpr void add_row(Field*& next) {
+template <class T, class Object, std::size_t here, class Row>
+constexpr void add_row(Row*& next) {
   if constexpr (has_row<T, here>)
     *next++ = T::template row_of<Object>(typename T::Declared{}, Line<here>{});
 }
 
-template <class T, class Object, std::size_t... line>
+template <class T, class Object, class Row, std::size_t... line>
 constexpr auto own_rows(std::index_sequence<line...>) {
   constexpr auto first = T::Declared::first_line;
-  std::array<Field, (0 + ... + has_row<T, first + line>)> own{};
+  std::array<Row, (0 + ... + has_row<T, first + line>)> own{};
   auto* next = own.data();
   (add_row<T, Object, first + line>(next), ...);
   return own;
 }
 
 /// Those of the bases come first.
-template <Described T, class Object>
+template <Described T, class Object, class Row>
 constexpr auto rows_of() {
-  constexpr auto own = own_rows<T, Object>(std::make_index_sequence<most_lines>{});
+  constexpr auto own = own_rows<T, Object, Row>(std::make_index_sequence<most_lines>{});
   using Base = typename T::Declared::Base;
   if constexpr (std::is_void_v<Base>) {
     return own;
   } else {
-    constexpr auto inherited = rows_of<Base, Object>();
-    std::array<Field, inherited.size() + own.size()> all{};
+    constexpr auto inherited = rows_of<Base, Object, Row>();
+    std::array<Row, inherited.size() + own.size()> all{};
     std::ranges::copy(own, std::ranges::copy(inherited, all.begin()).out);
     return all;
   }
