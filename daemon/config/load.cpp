@@ -126,8 +126,9 @@ tl::expected<Config, Lines> load_config_for_link(const std::string& path,
   *found->link = to_string(link);
   keep_only(*text, std::string(*found->name));
   auto config = build(std::move(*text)).map_error(lines_of);
+  if (!config) return config;
   // What runs for one call does not feed a module: it must not give it a deadman.
-  for (auto& one : config ? config->buses : std::vector<BusConfig>{}) {
+  for (auto& one : config->buses) {
     for (auto& module : one.modules) module.deadman_ms.reset();
   }
   return config;

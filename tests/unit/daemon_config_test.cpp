@@ -427,6 +427,20 @@ TEST_F(DaemonConfigForLink, IgnoresTheDaemonAndNothingElse) {
               ElementsAre(HasSubstr("'address' is 300, but bus 'b' is no CAN bus")));
 }
 
+TEST_F(DaemonConfigForLink, LeavesDeadmenAlone) {
+  const auto config =
+      load(std::string(bus_a) + "[[module]]\nbus = \"a\"\naddress = 1\ndeadman_ms = 1000\n",
+           "serial:/dev/a");
+  ASSERT_TRUE(config) << config.error().front();
+  EXPECT_EQ(config->buses.at(0).modules.at(0).deadman_ms, std::nullopt);
+}
+
+TEST(DaemonConfig, TellsOfALimitThatNoDoubleIs) {
+  EXPECT_THAT(
+      problems(std::string(good) + "soft_limits = [0, 9223372036854775807]\n"),
+      ElementsAre("f:13:15: 'soft_limits' must be two numbers in brackets, [least, greatest]"));
+}
+
 TEST(DaemonConfig, OfALinkAloneHasOneBus) {
   const auto config = config_for_link(tmcl::CanName{"can0"});
   ASSERT_EQ(config.buses.size(), 1U);
