@@ -162,7 +162,7 @@ TEST(TmclctlProfile, BashCompletesGeneratorsRegistersAndValues) {
   EXPECT_EQ(complete(simulate + "--generator tmc429 mode = r", 7), "ramp\n");
   EXPECT_EQ(complete(simulate + "--generator tmc429 --change 0.5 : v_ma", 8), "v_max=\n");
   EXPECT_EQ(complete(simulate + "--generator tmc429 --change 0.5 : mode = s", 10), "soft\n");
-  EXPECT_EQ(complete(simulate + "--model TMCM-142 max_vel", 5), "max_velocity=\n");
+  EXPECT_EQ(complete(simulate + "--model TMCM-142 max_bo", 5), "max_bow=\n");
   EXPECT_EQ(complete(simulate + "--model TMCM-142 max_velocity = 2", 7), "\n");
   EXPECT_EQ(complete(simulate + "--show v", 4), "v,a v,a,j\n");
   EXPECT_EQ(complete("tmclctl ramp --as s", 3), "sap\n");

@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <complex>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <numbers>
 #include <random>
 #include <sstream>
 
@@ -714,8 +717,51 @@ TEST_F(CtlProfile, ComparesProfilesInATableAndAPicture) {
   EXPECT_THAT(complaint(move_429({"--with", "v_min=1", "--csv", "1"})),
               HasSubstr("exclude each other"));
   Words many;
-  for (int i = 0; i < 5; ++i) many.insert(many.end(), {"--with", "v_min=2"});
+  for (int i = 0; i < 21; ++i) many.insert(many.end(), {"--with", "v_min=2"});
   EXPECT_THAT(complaint(move_429(many)), HasSubstr("too many profiles"));
+}
+
+// Three pushes: up, down, and between them none. Without damping each adds a swing of its own.
+TEST_F(CtlProfile, ALoadSwingsAsTheEquationSays) {
+  for (const auto* hz : {"3", "7.5", "12"}) {
+    auto words = simulate({"--generator", "sixpoint", "vmax=268435", "amax=3000", "dmax=3000",
+                           "d1=3000", "xtarget=51200", "--resonance", hz, "--damping", "0"});
+    words.insert(words.begin(), "--json");
+    ASSERT_EQ(run(words), ExitCode::done) << out;
+    const auto document = boost::json::parse(out).as_object();
+    const auto number = [](const boost::json::value& value) { return value.to_number<double>(); };
+    const double up = number(document.at("ramp_up").at("duration_s"));
+    const double whole = number(document.at("duration_s"));
+    const double w = 2 * std::numbers::pi * std::stod(hz);
+    const double speed = 268435 * 16e6 / (1 << 24);
+    const auto swung = [&](double time) { return std::polar(1.0, -w * time); };
+    const auto sum = swung(0) - swung(up) - swung(whole - up) + swung(whole);
+    const double expected = speed / up / (w * w) * std::abs(sum);
+    EXPECT_NEAR(number(document.at("load").at("swing")), expected, 0.02 * speed / up / (w * w))
+        << hz;
+    EXPECT_TRUE(document.at("load").at("settled_s").is_null() || expected < 51.2);
+  }
+}
+
+TEST_F(CtlProfile, TellsWithWhichProfileALoadSettlesFirst) {
+  const Words words{"--model",       "TMCM-142",  "--screw-pitch", "5",      "max_velocity=20mm/s",
+                    "x_target=10mm", "max_bow=0", "--resonance",   "12",     "--tolerance",
+                    "0.001",         "--with",    "max_bow=6",     "--with", "max_bow=8"};
+  ASSERT_EQ(run(simulate(words)), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("SWINGS [mm]"));
+  EXPECT_THAT(out, HasSubstr("SETTLED [s]"));
+  EXPECT_THAT(out, HasSubstr("the load settles first "));
+  const auto path = std::filesystem::path(testing::TempDir()) / "ctl_load_test.svg";
+  ASSERT_EQ(run(move_429({"--resonance", "5", "--svg", path})), ExitCode::done) << err;
+  std::ifstream in(path);
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  std::filesystem::remove(path);
+  EXPECT_THAT(svg, HasSubstr(">load</text>"));
+  EXPECT_THAT(svg, HasSubstr("stroke-dasharray=\"2 5\""));
+  EXPECT_THAT(complaint(move_429({"--tolerance", "1"})), HasSubstr("needs --resonance"));
+  EXPECT_THAT(complaint(move_429({"--resonance", "0"})), HasSubstr("--resonance"));
+  EXPECT_THAT(complaint(simulate({"--generator", "mc1451a", "position=10", "--resonance", "1"})),
+              HasSubstr("counts in cycles"));
 }
 
 TEST_F(CtlProfile, OfASwingingMotorTheBeginningIsDrawn) {

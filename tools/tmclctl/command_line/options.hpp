@@ -180,6 +180,9 @@ struct Simulate {
   std::string svg;                ///< Empty: none.
   plot::Shown show;               ///< Empty: as usual.
   std::vector<std::string> with;  ///< Of each profile beside: REGISTER=VALUE,...
+  std::optional<double> resonance_hz;
+  double damping = 0.05;
+  std::optional<double> tolerance;
 };
 /// The whole of a trapezoid from some of its values.
 struct SolveProfile {

@@ -11,6 +11,7 @@ struct Overlay {
   std::string label;
   std::vector<double> times;
   std::vector<double> values;
+  bool dotted = false;
 };
 
 struct Curve {

@@ -42,7 +42,8 @@ class Panel {
     for (std::size_t i = 0; i < curve_.overlays.size(); ++i) {
       const auto& other = curve_.overlays[i];
       text += polyline(other.times, other.values,
-                       fmt::format("class=\"curve\" stroke=\"{}\"", overlay_colours.at(i)));
+                       fmt::format("class=\"curve\" stroke=\"{}\"{}", overlay_colours.at(i),
+                                   other.dotted ? " stroke-dasharray=\"2 5\"" : ""));
     }
     return text;
   }

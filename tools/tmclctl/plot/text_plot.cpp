@@ -107,12 +107,14 @@ class TextPanel {
   }
 
   void draw(const Curve& curve) {
-    draw(curve.times, curve.values);
-    for (const auto& other : curve.overlays) draw(other.times, other.values);
+    draw(curve.times, curve.values, false);
+    for (const auto& other : curve.overlays) draw(other.times, other.values, other.dotted);
   }
-  void draw(const std::vector<double>& times, const std::vector<double>& values) {
+  void draw(const std::vector<double>& times, const std::vector<double>& values, bool dotted) {
+    constexpr int dots_of_a_gap = 3;
     for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto before = i == 0 ? 0 : i - 1;
+      if (dotted && x_of(times[i]) / dots_of_a_gap % 2 == 1) continue;
+      const auto before = i == 0 || dotted ? i : i - 1;
       canvas_.line(x_of(times[before]), y_of(values[before]), x_of(times[i]), y_of(values[i]));
     }
   }

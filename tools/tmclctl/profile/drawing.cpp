@@ -52,6 +52,15 @@ plot::Curve& named(const std::string& name, plot::Picture& picture) {
   return *std::ranges::find(picture.curves, name, &plot::Curve::name);
 }
 
+void add_load(const LoadRun& load, plot::Picture& picture) {
+  for (auto& curve : picture.curves) {
+    if (curve.name == "position")
+      curve.overlays.push_back({"load", load.times, load.positions, true});
+    if (curve.name == "velocity")
+      curve.overlays.push_back({"load", load.times, load.velocities, true});
+  }
+}
+
 }  // namespace
 
 Result<plot::Recording> record(const Profile& profile, bool all) {
@@ -85,14 +94,19 @@ Result<plot::Picture> picture_of(const std::vector<Profile>& profiles, const plo
         fmt::format("; it swings on: only the first {} phases, {} {}", most_drawn_phases,
                     tmcl::plain_number(first->samples.back().time, 4), first->time_unit);
   }
-  if (profiles.size() == 1) return picture;
+  if (profiles.size() == 1) {
+    if (const auto& load = profiles.front().load) add_load(follow_load(*first, *load), picture);
+    return picture;
+  }
   picture.marks.clear();
-  for (const auto& profile : std::span(profiles).subspan(1)) {
+  const auto others = std::span(profiles).subspan(1);
+  for (const auto& profile : others.first(std::min(others.size(), plot::most_overlays))) {
     const auto recording = record(profile, all);
     if (!recording) return tl::unexpected(recording.error());
     for (auto& curve : plot::picture_of(*recording, shown).curves)
       named(curve.name, picture)
-          .overlays.push_back({profile.label, std::move(curve.times), std::move(curve.values)});
+          .overlays.push_back(
+              {profile.label, std::move(curve.times), std::move(curve.values), false});
   }
   return picture;
 }

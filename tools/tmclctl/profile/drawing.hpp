@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plot/picture.hpp"
+#include "profile/load_run.hpp"
 #include "profile/setup.hpp"
 
 namespace tmclctl::profile {
@@ -17,6 +18,7 @@ struct Profile {
   Setup setup;
   std::unique_ptr<Simulation> simulation;
   Outcome outcome;
+  std::optional<LoadWish> load{};  ///< What it moves, if that is to be followed.
 };
 
 /// A generator that swings has no end: without --until, so many phases are drawn.

@@ -115,7 +115,7 @@ json::array phases_json(const Profile& profile) {
 /// Every step from 0 on: until the end, or to the first at which what there was to see is over.
 Result<std::vector<double>> times_of(const Rows& rows, const Profile& profile) {
   constexpr double rounding = 1e-9;
-  const auto& [label, setup, simulation, outcome] = profile;
+  const auto& [label, setup, simulation, outcome, load] = profile;
   const double steps = setup.time_of(outcome.end) / rows.step;
   const bool to_the_first_after = !rows.to_the_end && !outcome.cut_off;
   const double count =
@@ -162,8 +162,9 @@ std::string cell(plot::Quantity quantity, const Motion& motion, double time,
 }
 
 /// Of one profile among others.
-std::vector<std::string> row_of(const Profile& profile, const plot::Recording& recording) {
-  const auto& [label, setup, simulation, outcome] = profile;
+std::vector<std::string> row_of(const Profile& profile, const plot::Recording& recording,
+                                const std::optional<LoadRun>& load) {
+  const auto& [label, setup, simulation, outcome, wish] = profile;
   const auto number = [](double value) { return tmcl::plain_number(value, 5); };
   const auto way = [&](std::int64_t microsteps) {
     return number(std::abs(plot::shown_position(static_cast<double>(microsteps), recording)));
@@ -171,13 +172,49 @@ std::vector<std::string> row_of(const Profile& profile, const plot::Recording& r
   const auto up = ramp_up(outcome, setup);
   const auto down = ramp_down(outcome, setup);
   const auto peak = plot::shown_velocity(static_cast<double>(outcome.peak_velocity), recording);
-  return {label.empty() ? "as given" : label,
-          outcome.arrival ? number(setup.time_of(*outcome.arrival)) : "-",
-          number(std::abs(peak)),
-          number(up.duration),
-          way(up.length),
-          down ? number(down->duration) : "-",
-          down ? way(down->length) : "-"};
+  std::vector<std::string> cells{label.empty() ? "as given" : label,
+                                 outcome.arrival ? number(setup.time_of(*outcome.arrival)) : "-",
+                                 number(std::abs(peak)),
+                                 number(up.duration),
+                                 way(up.length),
+                                 down ? number(down->duration) : "-",
+                                 down ? way(down->length) : "-"};
+  if (!load) return cells;
+  cells.push_back(number(load->swing));
+  cells.push_back(load->settled ? number(*load->settled) : "never");
+  return cells;
+}
+
+std::vector<std::string> headings_of(const plot::Recording& recording, bool has_load) {
+  const auto in = [](const char* what, const std::string& unit) {
+    return fmt::format("{} [{}]", what, unit);
+  };
+  const auto& time = recording.time_unit;
+  const auto& way = recording.position_unit;
+  std::vector<std::string> headings{
+      "PROFILE",         in("TIME", time),   in("FASTEST", recording.velocity_unit),
+      in("UP", time),    in("ITS WAY", way), in("DOWN", time),
+      in("ITS WAY", way)};
+  if (!has_load) return headings;
+  headings.push_back(in("SWINGS", way));
+  headings.push_back(in("SETTLED", time));
+  return headings;
+}
+
+/// When the load of a profile stands still enough.
+struct Settled {
+  std::string label;
+  double time;
+};
+
+json::value load_json(const Profile& profile) {
+  const auto recording = record(profile, false);
+  if (!recording) return nullptr;
+  const auto load = follow_load(*recording, *profile.load);
+  return json::object{
+      {"swing", load.swing},
+      {"unit", recording->position_unit},
+      {"settled_s", load.settled ? json::value(*load.settled) : json::value(nullptr)}};
 }
 
 }  // namespace
@@ -202,7 +239,7 @@ Result<json::array> samples_of(const Profile& profile, const std::vector<double>
 }
 
 json::object to_json(const Profile& profile, json::array samples) {
-  const auto& [label, setup, simulation, outcome] = profile;
+  const auto& [label, setup, simulation, outcome, load] = profile;
   json::object document{{"generator", setup.generator.name}};
   if (!label.empty()) document["settings"] = label;
   add_time(document, "duration",
@@ -214,6 +251,7 @@ json::object to_json(const Profile& profile, json::array samples) {
   document["ramp_down"] = ramp_json(ramp_down(outcome, setup), setup);
   document["phases"] = phases_json(profile);
   document["samples"] = std::move(samples);
+  if (load) document["load"] = load_json(profile);
   if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
   if (!setup.parameters.empty()) document["parameters"] = parameters_json(setup.parameters);
   return document;
@@ -257,7 +295,7 @@ void print_registers(const Profile& profile, std::ostream& out) {
 }
 
 void print_ramps(const Profile& profile, std::ostream& out) {
-  const auto& [label, setup, simulation, outcome] = profile;
+  const auto& [label, setup, simulation, outcome, load] = profile;
   const auto text = [&, &setup = setup](const Ramp& ramp) {
     return fmt::format("{} {} and {} {}", tmcl::plain_number(ramp.duration, 4),
                        setup.generator.time_unit, ramp.length, setup.generator.length_unit);
@@ -269,20 +307,22 @@ void print_ramps(const Profile& profile, std::ostream& out) {
 
 Result<void> print_comparison(const std::vector<Profile>& profiles, std::ostream& out) {
   std::optional<Table> table;
+  std::optional<Settled> first;
   for (const auto& profile : profiles) {
     const auto recording = record(profile, false);
     if (!recording) return tl::unexpected(recording.error());
-    const auto in = [](const char* what, const std::string& unit) {
-      return fmt::format("{} [{}]", what, unit);
-    };
-    const auto& [time, way] = std::tie(recording->time_unit, recording->position_unit);
-    if (!table)
-      table.emplace(std::vector<std::string>{
-          "PROFILE", in("TIME", time), in("FASTEST", recording->velocity_unit), in("UP", time),
-          in("ITS WAY", way), in("DOWN", time), in("ITS WAY", way)});
-    table->add(row_of(profile, *recording));
+    if (!table) table.emplace(headings_of(*recording, profile.load.has_value()));
+    std::optional<LoadRun> load;
+    if (profile.load) load = follow_load(*recording, *profile.load);
+    table->add(row_of(profile, *recording, load));
+    if (load && load->settled && (!first || *load->settled < first->time))
+      first = Settled{profile.label.empty() ? "as given" : profile.label, *load->settled};
   }
   table->print(out);
+  if (first && profiles.size() > 1)
+    out << fmt::format("the load settles first {}{}, after {} s\n",
+                       first->label == "as given" ? "" : "with ", first->label,
+                       tmcl::plain_number(first->time, 4));
   return {};
 }
 

@@ -28,7 +28,7 @@ Result<void> draw(const plot::Picture& picture, const std::string& svg_path, Out
 }
 
 void warn_of(const Profile& profile, const verb::Simulate& verb, Output& output) {
-  const auto& [label, setup, simulation, outcome] = profile;
+  const auto& [label, setup, simulation, outcome, load] = profile;
   const auto of = label.empty() ? "" : fmt::format("with {}: ", label);
   for (const auto& warning : outcome.warnings) warn(of + warning, output);
   if (outcome.cut_off)
@@ -68,7 +68,7 @@ Result<void> print(const verb::Simulate& verb, const std::vector<Profile>& profi
     return to_csv(first, {*verb.csv_step, verb.show, verb.until.has_value()})
         .map([&](const std::string& text) { output.out << text; });
   print_registers(first, output.out);
-  if (!verb.with.empty()) {
+  if (!verb.with.empty() || verb.resonance_hz) {
     if (auto printed = print_comparison(profiles, output.out); !printed) return printed;
   } else if (verb.svg.empty()) {
     print_ramps(first, output.out);
@@ -98,7 +98,10 @@ Result<Profile> follow(const verb::Simulate& verb, std::string label) {
       verb.until ? std::optional(setup->tick_at(*verb.until)) : std::optional<profile::Tick>{};
   auto outcome = simulation->follow(until);
   if (!outcome) return tl::unexpected(outcome.error());
-  return Profile{std::move(label), std::move(*setup), std::move(simulation), std::move(*outcome)};
+  Profile followed{std::move(label), std::move(*setup), std::move(simulation), std::move(*outcome)};
+  if (verb.resonance_hz)
+    followed.load = profile::LoadWish{{*verb.resonance_hz, verb.damping}, verb.tolerance};
+  return followed;
 }
 
 Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
@@ -118,6 +121,7 @@ Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
 
 constexpr double longest_simulated_time = 1e9;
 constexpr double shortest_csv_step = 1e-9;
+constexpr std::size_t most_profiles = 20;
 
 Reading read_times(std::string_view list, std::vector<double>& times) {
   times.clear();
@@ -153,6 +157,9 @@ std::string conflict_in(const verb::Simulate& said, bool json) {
   if (forms > 1) return "--json, --csv and --svg exclude each other";
   if (said.generator.empty() == !said.axis.is_meant()) return "give --generator or --model";
   if (auto objection = objection_to(said.axis); !objection.empty()) return objection;
+  if (said.resonance_hz && said.generator == "mc1451a")
+    return "--resonance is in seconds, and mc1451a counts in cycles";
+  if (said.tolerance && !said.resonance_hz) return "--tolerance needs --resonance";
   if (said.csv_step && !said.with.empty()) return "--csv and --with exclude each other";
   return !said.samples.empty() && !json ? "--sample needs --json" : "";
 }
@@ -170,7 +177,10 @@ position 0 and tick 0 until it stands on its target, or until --until. Draws pos
 what --show names, with its phases; --csv, --svg and --json say it in other ways. x is in microsteps, v
 and a are in the chip's units, and with --model drawn in the unit of the axis. Where the acceleration
 jumps there is no jerk to draw. Of a motor that swings around its target the first 40 phases are drawn.
---with compares: times, peaks and ways in a table, and all of them in one picture.
+--with compares: times, peaks and ways in a table, and the first four in one picture with the profile
+that is given. --resonance follows a load that swings behind the motor: a dotted line, how far it
+still swings when the motor has arrived, when it swings by no more than --tolerance, and with
+which profile that is first.
 
   tmclctl profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 \
       x_target=100000
@@ -184,6 +194,8 @@ jumps there is no jerk to draw. Of a motor that swings around its target the fir
       jerk=42950 position=100000 --svg s_curve.svg
   tmclctl profile simulate --generator tmc429 mode=velocity v_max=2047 a_max=100 pulse_div=3 \
       ramp_div=5 v_target=500 --change 0.5:v_target=-500 --until 2
+  tmclctl profile simulate --model TMCM-142 --screw-pitch 5 max_velocity=20mm/s x_target=10mm \
+      max_bow=8 --resonance 12 --damping 0.05 --tolerance 0.01
   tmclctl profile simulate --generator tmc457 v_max=5000000 a_max=24624 d_max=24624 bow_max=11 \
       x_target=50000 --with bow_max=0 --with bow_max=14 --show v,a,j --svg bows.svg
 
@@ -253,13 +265,20 @@ Form add_profile(Grammar& grammar) {
   plot::add_show(simulate, simulate->show);
   simulate.repeated_option(
       "--with", "REGISTER=VALUE,...",
-      fmt::format("Draw beside it what these make of it; {} times at most", plot::most_overlays),
+      fmt::format("Show beside it what these make of it; {} times at most", most_profiles),
       [&said](const std::string& text) -> Reading {
-        if (said.with.size() == plot::most_overlays)
+        if (said.with.size() == most_profiles)
           return tl::unexpected(std::string("too many profiles"));
         said.with.push_back(text);
         return {};
       });
+  simulate.option("--resonance", "HZ", "Follow a load that swings so behind the motor",
+                  number(simulate->resonance_hz, 0.01, 1e5));
+  simulate.option("--damping", "D", "Of its swings: 0 to less than 1 (default 0.05)",
+                  number(simulate->damping, 0, 0.999));
+  simulate.option("--tolerance", "UNITS",
+                  "Within which it is to stand, as drawn (default: a thousandth of the way)",
+                  number(simulate->tolerance, 0, 1e12));
   simulate.option("--csv", "SECONDS",
                   "Print t,x,v,a, or what --show names, every so often instead of drawing",
                   number(simulate->csv_step, shortest_csv_step, longest_simulated_time));

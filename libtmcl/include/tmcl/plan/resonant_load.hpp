@@ -1,0 +1,42 @@
+/// A load behind a motor that it is not rigidly joined to: it comes later, and swings.
+///
+///     r'' + 2 d w r' + w^2 r = -a,   w = 2 pi f
+///
+/// r is where the load is less where the motor is, a the acceleration of the motor, d the damping:
+/// the oscillator that every text on vibrations has. Solved exactly while a is constant.
+#pragma once
+
+#include <optional>
+
+namespace tmcl::plan {
+
+struct Resonance {
+  double frequency_hz = 0;  ///< Without damping; greater than 0.
+  double damping = 0;       ///< 0 to less than 1, where nothing would swing.
+};
+
+class ResonantLoad {
+ public:
+  explicit ResonantLoad(Resonance resonance);
+
+  /// Lets time pass in which the motor accelerates so. Seconds, and any length.
+  void advance(double seconds, double acceleration);
+
+  /// Where the load is less where the motor is, and how fast it is less how fast the motor is.
+  double offset() const { return offset_; }
+  double speed() const { return speed_; }
+
+  /// How far the load swings to either side from now on, if the motor does not accelerate.
+  double swing() const;
+  /// How long until it swings by no more than that; nothing if it never does.
+  std::optional<double> time_to_settle(double tolerance) const;
+
+ private:
+  double decay_;     ///< d w
+  double natural_;   ///< w
+  double swinging_;  ///< With which it really swings.
+  double offset_ = 0;
+  double speed_ = 0;
+};
+
+}  // namespace tmcl::plan
