@@ -137,11 +137,11 @@ class EngineState {
     add_all(has_holder, recording, ends_sent);
   }
   void add(const Lane& lane) {
-    const auto& [in_step, failed_fences, silences, answered_fences, next_fence, abandoned,
+    const auto& [in_step, failed_fences, stays_silent, answered_fences, next_fence, abandoned,
                  held_back, answers_held_back, silent_until, last_answered, answered_before,
                  last_answered_at, equal_in_a_row, duplicate_suspected, surplus, surplus_since,
                  last_surplus, exchanges_to_trust, trusted_from] = lane;
-    add_all(in_step, failed_fences, silences, answered_fences, answers_held_back, last_answered,
+    add_all(in_step, failed_fences, stays_silent, answered_fences, answers_held_back, last_answered,
             answered_before);
     for (const auto& [command, replies, last, heard] : abandoned) {
       if (!lane.owes(command, now_) && is_over(last, Lane::reply_lifetime)) continue;

@@ -21,8 +21,8 @@ struct BusOptions {
   /// Silence after an unanswered request, so that a late reply can still come and a module drops a
   /// partial datagram: those do so after 5 ms.
   Duration quiet_time = std::chrono::milliseconds(10);
-  /// How long a module that did not answer is not asked again; up to four times as long if it
-  /// stays silent. Stops still go out to it. 0..60 s
+  /// How long a module that did not answer is not asked again; half as long again if it stays
+  /// silent. Stops still go out to it. 0..60 s
   Duration silence_time = std::chrono::milliseconds(250);
   /// How often a repeatable command is sent before it counts as failed. 1..10
   unsigned attempts = 3;

@@ -28,9 +28,6 @@ constexpr unsigned most_equal_in_a_row = 64;
 // again if there is a doubt.
 constexpr unsigned most_held_back = 8;
 
-// As a multiple of the usual one: the longest time for which a module counts as silent.
-constexpr unsigned most_silences = 4;
-
 // A fence behind which more replies come is followed by the next one. Two modules of one address,
 // or a link that doubles all replies, would go on with that for ever.
 constexpr unsigned most_fences_in_a_row = 32;
@@ -84,8 +81,8 @@ bool Lane::fence_failed(unsigned tries, TimePoint now, Duration silence) {
   end_fences();
   if (++failed_fences_ < tries) return false;
   failed_fences_ = 0;
-  silent_until_ = now + silences_ * silence;
-  silences_ = std::min(2 * silences_, most_silences);
+  silent_until_ = now + (stays_silent_ ? silence * 3 / 2 : silence);
+  stays_silent_ = true;
   return true;
 }
 
@@ -102,7 +99,7 @@ bool Lane::owes(Command command, TimePoint now) const {
 }
 
 void Lane::note_heard(TimePoint now) {
-  silences_ = 1;
+  stays_silent_ = false;
   for (auto& old : abandoned_)
     if (!old.heard) old.heard = now;
 }

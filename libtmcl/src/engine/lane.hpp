@@ -49,9 +49,11 @@ class Lane {
   bool fences_prove_nothing() const;
   /// Something else than a fence goes out, or is given up.
   void end_fences() { answered_fences_ = 0; }
+  /// It has been silent since it was heard last: one fence is enough to find out that it still is.
+  /// What asks it all the time would take half of a serial line otherwise.
+  bool stays_silent() const { return stays_silent_; }
   /// A fence was not answered; true when that was the last try, and the module now counts as
-  /// silent: for `silence`, and for twice as long each time until it is heard, up to four times
-  /// `silence`. What asks it all the time would take half of a serial line otherwise.
+  /// silent: for `silence`, and for half as long again if it stays silent.
   bool fence_failed(unsigned tries, TimePoint now, Duration silence);
 
   /// A late reply of this command may still come.
@@ -100,7 +102,7 @@ class Lane {
 
   bool in_step_ = true;
   unsigned failed_fences_ = 0;
-  unsigned silences_ = 1;         ///< That the next silence lasts.
+  bool stays_silent_ = false;
   unsigned answered_fences_ = 0;  ///< In a row.
   std::size_t next_fence_ = 0;
   std::vector<Abandoned> abandoned_;
