@@ -733,7 +733,7 @@ TEST_F(CtlProfile, ALoadSwingsAsTheEquationSays) {
     const double up = number(document.at("ramp_up").at("duration_s"));
     const double whole = number(document.at("duration_s"));
     const double w = 2 * std::numbers::pi * std::stod(hz);
-    const double speed = 268435 * 16e6 / (1 << 24);
+    const double speed = number(document.at("peak_velocity")) * 16e6 / (1 << 24);
     const auto swung = [&](double time) { return std::polar(1.0, -w * time); };
     const auto sum = swung(0) - swung(up) - swung(whole - up) + swung(whole);
     const double expected = speed / up / (w * w) * std::abs(sum);

@@ -251,7 +251,8 @@ Result<void> print_export(const verb::Ramp& verb, const Ramp& ramp, const tmcl::
   if (*verb.as == profile::ExportForm::c && chip_words(to_export).empty()) {
     return tl::unexpected(usage_error(
         "not_foreseeable",
-        fmt::format("the firmware of a {} makes its ramps, in no registers of a chip", model.name),
+        fmt::format("a {} makes its ramps with no registers whose addresses are known here",
+                    model.name),
         "--as sap is of its parameters"));
   }
   output.out << text_of(to_export, *verb.as);
