@@ -68,6 +68,15 @@ TEST(ResonantLoad, StandsAfterAPushThatLastsOneSwing) {
   EXPECT_FALSE(load.time_to_settle(1e-6)) << "nothing damps it";
 }
 
+TEST(ResonantLoad, SwingsByTheSpeedThatIsTakenAtOnce) {
+  ResonantLoad load({12, 0});
+  load.jump(300);
+  EXPECT_EQ(load.offset(), 0);
+  EXPECT_NEAR(load.swing(), 300 / (turn * 12), 1e-9);
+  load.advance(0.25 / 12, 0);
+  EXPECT_NEAR(load.offset(), -300 / (turn * 12), 1e-9) << "it comes later";
+}
+
 TEST(ResonantLoad, IsSettledWhenItSaysSo) {
   for (const double damping : {0.01, 0.05, 0.5}) {
     ResonantLoad load({8, damping});

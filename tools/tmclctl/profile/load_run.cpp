@@ -42,6 +42,8 @@ LoadRun follow_load(const plot::Recording& recording, const LoadWish& wish) {
     run.positions.push_back(position + load.offset());
     run.velocities.push_back(velocity + load.speed() / way.per_velocity);
   };
+  // A velocity that is taken at once is there at the first point.
+  load.jump(way.per_velocity * velocities.front());
   for (std::size_t i = 0; i < motor.times.size(); ++i) {
     if (i > 0) {
       const double seconds = motor.times[i] - motor.times[i - 1];

@@ -21,6 +21,8 @@ class ResonantLoad {
 
   /// Lets time pass in which the motor accelerates so. Seconds, and any length.
   void advance(double seconds, double acceleration);
+  /// The speed of the motor changes by so much at once; that of the load does not.
+  void jump(double speed) { speed_ -= speed; }
 
   /// Where the load is less where the motor is, and how fast it is less how fast the motor is.
   double offset() const { return offset_; }
