@@ -239,7 +239,8 @@ void BusEngine::start_fence(const Call& next) {
   const auto now = scheduler_.now();
   const auto address = next.request.address;
   auto& module = modules_.with(address);
-  // Who scans asks once and goes on; and what a rescue did not bring back is most likely not there.
+  // A scan asks once and goes on; and what a rescue did not bring back, or has been silent before,
+  // is most likely not there.
   const bool asks_once = next.options.attempts == 1 || next.rescue == Call::Rescue::tried ||
                          module.lane.stays_silent();
   const unsigned tries = asks_once ? 1 : fence_tries;
