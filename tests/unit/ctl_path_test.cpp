@@ -116,6 +116,9 @@ TEST_F(CtlPath, LegsAreATableThatDrivesTheChip) {
   EXPECT_EQ(writes, 3U * 2 * 6);
   EXPECT_EQ(run({"path", "check", corner, "--as", "c"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--as c needs --legs"));
+  as_c[2] = file("t,x\n0,0\n1,5\n");
+  EXPECT_EQ(run(as_c), ExitCode::usage) << out;
+  EXPECT_THAT(err, HasSubstr("has no legs"));
 }
 
 TEST_F(CtlPath, RampsAreToldInWholeNumbersOfRegisters) {

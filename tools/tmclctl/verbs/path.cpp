@@ -35,7 +35,9 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   const auto course = tmcld::view_of(*planned, source->path.axes);
-  const auto curve = tmcld::curve_of(*planned, tmcl::api::path::most_curve_points);
+  tmcl::api::path::Curve curve;
+  if (!verb.svg.empty() || !verb.show.empty())
+    curve = tmcld::curve_of(*planned, tmcl::api::path::most_curve_points);
   const path::Drawn drawing{verb.show, path::phases_of(*planned)};
   if (!verb.svg.empty()) {
     if (const auto drawn = path::draw(verb.svg, verb.file, course, curve, drawing); !drawn)
@@ -46,6 +48,10 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   if (verb.microsteps_per_unit) chip = path::ChipScale{*verb.microsteps_per_unit, verb.clock_hz};
   if (verb.legs) legs = path::leg_table(*planned, source->path.axes, chip);
   if (chip) warn(path::beyond_registers(legs, *chip), output);
+  if (verb.in_c && legs.empty()) {
+    return tl::unexpected(usage_error(
+        "bad_path", verb.file + ": a table with times has no legs, and so no registers of them"));
+  }
   if (verb.in_c) {
     output.out << path::legs_in_c(legs, *chip);
   } else if (output.json) {
