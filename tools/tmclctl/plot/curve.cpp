@@ -55,17 +55,15 @@ Curve derivative(const Curve& of, std::string name, std::string unit,
                  const std::vector<double>& breaks) {
   Curve slopes{std::move(name), std::move(unit), {}, {}};
   const auto count = of.times.size();
-  for (std::size_t begin = 0; begin + 1 < count || (begin == 0 && count == 1);) {
+  std::size_t begin = 0;
+  while (begin < count) {
     const auto next = std::ranges::upper_bound(breaks, of.times[begin]);
-    const auto last = next == breaks.end()
-                          ? count - 1
-                          : static_cast<std::size_t>(std::ranges::lower_bound(of.times, *next) -
-                                                     of.times.begin());
-    const auto end = std::min(last, count - 1) + 1;
-    const Piece piece{begin, end};
+    const auto stop =
+        next == breaks.end() ? of.times.end() : std::ranges::lower_bound(of.times, *next);
+    const auto last = std::min(static_cast<std::size_t>(stop - of.times.begin()), count - 1);
+    const Piece piece{begin, last + 1};
     add_slopes(of, piece, breaks.empty() ? piece : piece.inner(), slopes);
-    if (count == 1) break;
-    begin = std::max(end - 1, begin + 1);
+    begin = last + 1 < count ? last : count;
   }
   return slopes;
 }

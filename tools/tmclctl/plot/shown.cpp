@@ -32,7 +32,16 @@ Shown or_usual(Shown shown) {
   return shown.empty() ? Shown{Quantity::position, Quantity::velocity} : std::move(shown);
 }
 
-char letter_of(Quantity quantity) { return letters[static_cast<std::size_t>(quantity)]; }
+Shown or_usual_columns(Shown shown) {
+  if (!shown.empty()) return shown;
+  return {Quantity::position, Quantity::velocity, Quantity::acceleration};
+}
+
+std::string csv_heading(const Shown& shown) {
+  std::string text = "t";
+  for (const auto quantity : shown) text += {',', letters[static_cast<std::size_t>(quantity)]};
+  return text + '\n';
+}
 
 void add_show(Form& form, Shown& into) {
   form.option("--show", "x,v,a,j",

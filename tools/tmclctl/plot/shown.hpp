@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "command_line/form.hpp"
@@ -15,8 +16,11 @@ using Shown = std::vector<Quantity>;
 /// What is drawn if nothing was asked for: position above velocity.
 Shown or_usual(Shown shown);
 
-/// Its letter in --show and in tables: x, v, a or j.
-char letter_of(Quantity quantity);
+/// The columns of rows in CSV if nothing was asked for: all that a generator says of its motion.
+Shown or_usual_columns(Shown shown);
+/// "t,x,v,a" and the end of the line.
+std::string csv_heading(const Shown& shown);
+constexpr double most_csv_rows = 1e6;
 /// The option --show.
 void add_show(Form& form, Shown& into);
 

@@ -83,27 +83,27 @@ Result<plot::Recording> record(const Profile& profile, bool all) {
   return recording;
 }
 
-Result<plot::Picture> picture_of(const std::vector<Profile>& profiles, const plot::Shown& shown,
-                                 bool all) {
-  auto first = record(profiles.front(), all);
-  if (!first) return tl::unexpected(first.error());
-  auto picture = plot::picture_of(*first, shown);
-  const auto& outcome = profiles.front().outcome;
-  if (drawn_end(outcome, all) < outcome.end) {
-    picture.title +=
-        fmt::format("; it swings on: only the first {} phases, {} {}", most_drawn_phases,
-                    tmcl::plain_number(first->samples.back().time, 4), first->time_unit);
+bool goes_on(const Profile& profile) {
+  return profile.outcome.cut_off ||
+         profile.recording.samples.back().time < profile.setup.time_of(profile.outcome.end);
+}
+
+plot::Picture picture_of(const std::vector<Profile>& profiles, const plot::Shown& shown) {
+  const auto& first = profiles.front();
+  auto picture = plot::picture_of(first.recording, shown);
+  if (first.recording.phases.size() == most_drawn_phases && goes_on(first)) {
+    picture.title += fmt::format(
+        "; it swings on: only the first {} phases, {} {}", most_drawn_phases,
+        tmcl::plain_number(first.recording.samples.back().time, 4), first.recording.time_unit);
   }
   if (profiles.size() == 1) {
-    if (const auto& load = profiles.front().load) add_load(follow_load(*first, *load), picture);
+    if (first.load) add_load(*first.load, picture);
     return picture;
   }
   picture.marks.clear();
   const auto others = std::span(profiles).subspan(1);
   for (const auto& profile : others.first(std::min(others.size(), plot::most_overlays))) {
-    const auto recording = record(profile, all);
-    if (!recording) return tl::unexpected(recording.error());
-    for (auto& curve : plot::picture_of(*recording, shown).curves)
+    for (auto& curve : plot::picture_of(profile.recording, shown).curves)
       named(curve.name, picture)
           .overlays.push_back(
               {profile.label, std::move(curve.times), std::move(curve.values), false});

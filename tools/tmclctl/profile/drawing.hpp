@@ -18,7 +18,8 @@ struct Profile {
   Setup setup;
   std::unique_ptr<Simulation> simulation;
   Outcome outcome;
-  std::optional<LoadWish> load{};  ///< What it moves, if that is to be followed.
+  plot::Recording recording{};    ///< What is drawn of it; see record().
+  std::optional<LoadRun> load{};  ///< What it moves, if that was to be followed.
 };
 
 /// A generator that swings has no end: without --until, so many phases are drawn.
@@ -27,8 +28,9 @@ constexpr std::size_t most_drawn_phases = 40;
 /// Its motion at evenly spread times, and in each phase. `all`: however many phases there are.
 Result<plot::Recording> record(const Profile& profile, bool all);
 
-/// The first profile with its phases; of more than one, all of them without.
-Result<plot::Picture> picture_of(const std::vector<Profile>& profiles, const plot::Shown& shown,
-                                 bool all);
+/// Of recorded profiles: the first with its phases; of more than one, all of them without.
+plot::Picture picture_of(const std::vector<Profile>& profiles, const plot::Shown& shown);
+/// It moves on behind the last phase that was recorded.
+bool goes_on(const Profile& profile);
 
 }  // namespace tmclctl::profile

@@ -14,8 +14,6 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr double most_csv_rows = 1e6;
-
 /// What registers were given that count in parts of a unit.
 struct Given {
   std::string_view name;
@@ -115,16 +113,16 @@ json::array phases_json(const Profile& profile) {
 /// Every step from 0 on: until the end, or to the first at which what there was to see is over.
 Result<std::vector<double>> times_of(const Rows& rows, const Profile& profile) {
   constexpr double rounding = 1e-9;
-  const auto& [label, setup, simulation, outcome, load] = profile;
+  const auto& [label, setup, simulation, outcome, recording, load] = profile;
   const double steps = setup.time_of(outcome.end) / rows.step;
   const bool to_the_first_after = !rows.to_the_end && !outcome.cut_off;
   const double count =
       1 + (to_the_first_after ? std::ceil(steps - rounding) : std::floor(steps + rounding));
-  if (!(count <= most_csv_rows)) {
+  if (!(count <= plot::most_csv_rows)) {
     return tl::unexpected(usage_error(
         "too_many_rows",
         fmt::format("--csv {} makes {:.0f} rows in {} {}; {:.0f} at most", rows.step, count,
-                    setup.time_of(outcome.end), setup.generator.time_unit, most_csv_rows)));
+                    setup.time_of(outcome.end), setup.generator.time_unit, plot::most_csv_rows)));
   }
   std::vector<double> times(static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<double>(i) * rows.step;
@@ -162,11 +160,10 @@ std::string cell(plot::Quantity quantity, const Motion& motion, double time,
 }
 
 /// Of one profile among others.
-std::vector<std::string> row_of(const Profile& profile, const plot::Recording& recording,
-                                const std::optional<LoadRun>& load) {
-  const auto& [label, setup, simulation, outcome, wish] = profile;
+std::vector<std::string> row_of(const Profile& profile) {
+  const auto& [label, setup, simulation, outcome, recording, load] = profile;
   const auto number = [](double value) { return tmcl::plain_number(value, 5); };
-  const auto way = [&](std::int64_t microsteps) {
+  const auto way = [&, &recording = recording](std::int64_t microsteps) {
     return number(std::abs(plot::shown_position(static_cast<double>(microsteps), recording)));
   };
   const auto up = ramp_up(outcome, setup);
@@ -201,20 +198,11 @@ std::vector<std::string> headings_of(const plot::Recording& recording, bool has_
   return headings;
 }
 
-/// When the load of a profile stands still enough.
-struct Settled {
-  std::string label;
-  double time;
-};
-
-json::value load_json(const Profile& profile) {
-  const auto recording = record(profile, false);
-  if (!recording) return nullptr;
-  const auto load = follow_load(*recording, *profile.load);
-  return json::object{
-      {"swing", load.swing},
-      {"unit", recording->position_unit},
-      {"settled_s", load.settled ? json::value(*load.settled) : json::value(nullptr)}};
+json::object load_json(const Profile& profile) {
+  const auto& load = *profile.load;
+  return {{"swing", load.swing},
+          {"unit", profile.recording.position_unit},
+          {"settled_s", load.settled ? json::value(*load.settled) : json::value(nullptr)}};
 }
 
 }  // namespace
@@ -239,7 +227,7 @@ Result<json::array> samples_of(const Profile& profile, const std::vector<double>
 }
 
 json::object to_json(const Profile& profile, json::array samples) {
-  const auto& [label, setup, simulation, outcome, load] = profile;
+  const auto& [label, setup, simulation, outcome, recording, load] = profile;
   json::object document{{"generator", setup.generator.name}};
   if (!label.empty()) document["settings"] = label;
   add_time(document, "duration",
@@ -258,10 +246,7 @@ json::object to_json(const Profile& profile, json::array samples) {
 }
 
 Result<std::string> to_csv(const Profile& profile, const Rows& rows) {
-  using plot::Quantity;
-  const auto shown = !rows.shown.empty() ? rows.shown
-                                         : plot::Shown{Quantity::position, Quantity::velocity,
-                                                       Quantity::acceleration};
+  const auto shown = plot::or_usual_columns(rows.shown);
   const auto times = times_of(rows, profile);
   if (!times) return tl::unexpected(times.error());
   std::vector<Tick> ticks;
@@ -269,14 +254,12 @@ Result<std::string> to_csv(const Profile& profile, const Rows& rows) {
   const auto motions = profile.simulation->motions_at(ticks);
   if (!motions) return tl::unexpected(motions.error());
   std::optional<Jerks> jerks;
-  if (std::ranges::count(shown, Quantity::jerk) > 0) {
+  if (std::ranges::count(shown, plot::Quantity::jerk) > 0) {
     auto found = Jerks::of(profile);
     if (!found) return tl::unexpected(found.error());
     jerks = std::move(*found);
   }
-  std::string text = "t";
-  for (const auto quantity : shown) text += {',', plot::letter_of(quantity)};
-  text += '\n';
+  auto text = plot::csv_heading(shown);
   for (std::size_t i = 0; i < times->size(); ++i) {
     text += tmcl::plain_number((*times)[i], 12);
     for (const auto quantity : shown)
@@ -295,7 +278,7 @@ void print_registers(const Profile& profile, std::ostream& out) {
 }
 
 void print_ramps(const Profile& profile, std::ostream& out) {
-  const auto& [label, setup, simulation, outcome, load] = profile;
+  const auto& [label, setup, simulation, outcome, recording, load] = profile;
   const auto text = [&, &setup = setup](const Ramp& ramp) {
     return fmt::format("{} {} and {} {}", tmcl::plain_number(ramp.duration, 4),
                        setup.generator.time_unit, ramp.length, setup.generator.length_unit);
@@ -305,25 +288,20 @@ void print_ramps(const Profile& profile, std::ostream& out) {
   out << '\n';
 }
 
-Result<void> print_comparison(const std::vector<Profile>& profiles, std::ostream& out) {
-  std::optional<Table> table;
-  std::optional<Settled> first;
+void print_comparison(const std::vector<Profile>& profiles, std::ostream& out) {
+  const auto& given = profiles.front();
+  Table table(headings_of(given.recording, given.load.has_value()));
+  const Profile* first = nullptr;
   for (const auto& profile : profiles) {
-    const auto recording = record(profile, false);
-    if (!recording) return tl::unexpected(recording.error());
-    if (!table) table.emplace(headings_of(*recording, profile.load.has_value()));
-    std::optional<LoadRun> load;
-    if (profile.load) load = follow_load(*recording, *profile.load);
-    table->add(row_of(profile, *recording, load));
-    if (load && load->settled && (!first || *load->settled < first->time))
-      first = Settled{profile.label.empty() ? "as given" : profile.label, *load->settled};
+    table.add(row_of(profile));
+    if (!profile.load || !profile.load->settled) continue;
+    if (first == nullptr || *profile.load->settled < *first->load->settled) first = &profile;
   }
-  table->print(out);
-  if (first && profiles.size() > 1)
-    out << fmt::format("the load settles first {}{}, after {} s\n",
-                       first->label == "as given" ? "" : "with ", first->label,
-                       tmcl::plain_number(first->time, 4));
-  return {};
+  table.print(out);
+  if (first == nullptr || profiles.size() == 1) return;
+  out << fmt::format("the load settles first {}, after {} s\n",
+                     first == &given ? "as given" : "with " + first->label,
+                     tmcl::plain_number(*first->load->settled, 4));
 }
 
 }  // namespace tmclctl::profile

@@ -30,6 +30,6 @@ void print_registers(const Profile& profile, std::ostream& out);
 /// How long it takes to come up to speed, and down to rest.
 void print_ramps(const Profile& profile, std::ostream& out);
 /// Times, peaks and ways of each.
-Result<void> print_comparison(const std::vector<Profile>& profiles, std::ostream& out);
+void print_comparison(const std::vector<Profile>& profiles, std::ostream& out);
 
 }  // namespace tmclctl::profile

@@ -28,7 +28,7 @@ Result<void> draw(const plot::Picture& picture, const std::string& svg_path, Out
 }
 
 void warn_of(const Profile& profile, const verb::Simulate& verb, Output& output) {
-  const auto& [label, setup, simulation, outcome, load] = profile;
+  const auto& [label, setup, simulation, outcome, recording, load] = profile;
   const auto of = label.empty() ? "" : fmt::format("with {}: ", label);
   for (const auto& warning : outcome.warnings) warn(of + warning, output);
   if (outcome.cut_off)
@@ -69,12 +69,11 @@ Result<void> print(const verb::Simulate& verb, const std::vector<Profile>& profi
         .map([&](const std::string& text) { output.out << text; });
   print_registers(first, output.out);
   if (!verb.with.empty() || verb.resonance_hz) {
-    if (auto printed = print_comparison(profiles, output.out); !printed) return printed;
+    print_comparison(profiles, output.out);
   } else if (verb.svg.empty()) {
     print_ramps(first, output.out);
   }
-  return picture_of(profiles, verb.show, verb.until.has_value())
-      .and_then([&](const plot::Picture& picture) { return draw(picture, verb.svg, output); });
+  return draw(picture_of(profiles, verb.show), verb.svg, output);
 }
 
 /// With the settings of `with` in place of those of the same name.
@@ -90,7 +89,8 @@ verb::Simulate changed(verb::Simulate verb, const std::string& with) {
   return verb;
 }
 
-Result<Profile> follow(const verb::Simulate& verb, std::string label) {
+/// `draws`: it is to be recorded.
+Result<Profile> follow(const verb::Simulate& verb, std::string label, bool draws) {
   auto setup = verb.axis.is_meant() ? profile::read_model_setup(verb) : profile::read_setup(verb);
   if (!setup) return tl::unexpected(setup.error());
   auto simulation = setup->generator.simulate(setup->script);
@@ -99,15 +99,22 @@ Result<Profile> follow(const verb::Simulate& verb, std::string label) {
   auto outcome = simulation->follow(until);
   if (!outcome) return tl::unexpected(outcome.error());
   Profile followed{std::move(label), std::move(*setup), std::move(simulation), std::move(*outcome)};
-  if (verb.resonance_hz)
-    followed.load = profile::LoadWish{{*verb.resonance_hz, verb.damping}, verb.tolerance};
+  if (!draws && !verb.resonance_hz) return followed;
+  auto recording = record(followed, verb.until.has_value());
+  if (!recording) return tl::unexpected(recording.error());
+  followed.recording = std::move(*recording);
+  if (!verb.resonance_hz) return followed;
+  followed.load = profile::follow_load(followed.recording,
+                                       {{*verb.resonance_hz, verb.damping}, verb.tolerance});
+  // A motor that goes on shakes its load for ever.
+  if (goes_on(followed)) followed.load->settled.reset();
   return followed;
 }
 
 Result<ExitCode> run(const verb::Simulate& verb, Output& output) {
   std::vector<Profile> profiles;
   const auto add = [&](const verb::Simulate& one, const std::string& label) -> Result<void> {
-    auto followed = follow(one, label);
+    auto followed = follow(one, label, !output.json && !verb.csv_step);
     if (!followed) return tl::unexpected(followed.error());
     warn_of(*followed, verb, output);
     profiles.push_back(std::move(*followed));
@@ -230,7 +237,8 @@ cycles wherever SECONDS are meant. Mode and target are written last, whatever th
 A change acts after everything up to its instant; changes of one instant act in the order given.
 --json prints {"generator", "duration_s", "final_position", "peak_velocity", "ramp_up": {"duration_s",
 "microsteps"}, "ramp_down": the same, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
-"a"}]}; duration_s is when it last came to rest on its target, null if it does not. Those of mc1451a
+"a"}]}, with --with {"with": [the same of each, and its "settings"]}, and with --resonance {"load":
+{"swing", "unit", "settled_s"}}, null if it never stands; duration_s is when it last came to rest on its target, null if it does not. Those of mc1451a
 are cycles: duration_cycles and start_cycles have them as well, and are to be preferred. The ramps are
 what comes before it is first as fast as it gets, and after that, until it stands there; text says so,
 too.

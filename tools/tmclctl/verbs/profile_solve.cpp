@@ -22,7 +22,6 @@ namespace plan = tmcl::plan;
 
 // Of each of the three parts: a ramp's position is a parabola.
 constexpr int points_of_a_part = 100;
-constexpr double most_csv_rows = 1e6;
 
 std::string_view failure_name(plan::SolveError::Kind kind) {
   switch (kind) {
@@ -142,14 +141,12 @@ Part part_at(const plan::Profile& profile, double time) {
 Result<std::string> to_csv(const plan::Profile& profile, double step, const plot::Shown& shown) {
   constexpr double rounding = 1e-9;
   const double last = std::floor(profile.total_time / step + rounding);
-  if (!(last < most_csv_rows)) {
-    return tl::unexpected(usage_error(
-        "too_many_rows",
-        fmt::format("--csv {} makes {:.0f} rows; {:.0f} at most", step, last + 1, most_csv_rows)));
+  if (!(last < plot::most_csv_rows)) {
+    return tl::unexpected(
+        usage_error("too_many_rows", fmt::format("--csv {} makes {:.0f} rows; {:.0f} at most", step,
+                                                 last + 1, plot::most_csv_rows)));
   }
-  std::string text = "t";
-  for (const auto quantity : shown) text += {',', plot::letter_of(quantity)};
-  text += '\n';
+  auto text = plot::csv_heading(shown);
   for (double i = 0; i <= last; ++i) {
     const auto time = std::min(i * step, profile.total_time);
     const auto part = part_at(profile, time);
@@ -163,14 +160,9 @@ Result<std::string> to_csv(const plan::Profile& profile, double step, const plot
 
 Result<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
                   const profile::KnownValues& known, Output& output) {
-  using plot::Quantity;
   if (verb.csv_step) {
-    const auto columns = !verb.show.empty() ? verb.show
-                                            : plot::Shown{Quantity::position, Quantity::velocity,
-                                                          Quantity::acceleration};
-    return to_csv(profile, *verb.csv_step, columns).map([&](const std::string& text) {
-      output.out << text;
-    });
+    return to_csv(profile, *verb.csv_step, plot::or_usual_columns(verb.show))
+        .map([&](const std::string& text) { output.out << text; });
   }
   const auto picture = picture_of(profile, known.unit, verb.show);
   if (!verb.svg.empty()) {
