@@ -68,6 +68,9 @@ class Ledger {
     const auto number = ++last_;
     std::string names;
     for (const auto& axis : call.axes) names += " " + axis;
+    for (const auto value : call.values) names += " " + std::to_string(value);
+    if (call.distance) names += " by " + std::to_string(*call.distance);
+    names += ", by client " + std::to_string(call.client);
     note(now, "call " + std::to_string(number) + ": " + call.method + names);
     if (call.method == "axis.recover") restarts_.allow(call.axes.front(), number);
     if (call.method == "lease.release") owners_.release(call.about);
@@ -191,6 +194,7 @@ class Ledger {
   };
 
   static constexpr std::uint8_t start_search = 0;
+  static constexpr std::int32_t coordinate_of_lines = 0;  // clients have others
 
   // From the manual, and not from the gateway's own table.
   static bool moves(const tmcl::Request& request, std::uint8_t motor) {
@@ -284,7 +288,8 @@ class Ledger {
     const bool to_coordinate = by_position && request.type == 2;
     if (to_coordinate && call.coordinate) return *call.coordinate == request.value;
     if (to_coordinate)
-      return call.method == "line.move" && starts_all_of_module(call, request, axis);
+      return call.method == "line.move" && request.value == coordinate_of_lines &&
+             starts_all_of_module(call, request, axis);
     if (call.distance && by_position)
       return running.readings.contains(
           {tmcl::axis_parameter::actual_position, request.value - *call.distance});

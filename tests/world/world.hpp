@@ -321,13 +321,20 @@ class World {
     return std::move(*request);
   }
 
-  static std::int64_t far(Random& random) { return random.between(-200'000, 200'000); }
+  /// No two clients ask for the same: of two at once nobody could tell which was sent.
+  static std::int32_t of_client(std::int64_t value, int client) {
+    constexpr int most_clients = 8;
+    return static_cast<std::int32_t>(value - value % most_clients + client);
+  }
+  static std::int32_t far(Random& random, int client) {
+    return of_client(random.between(-200'000, 200'000), client);
+  }
 
   WorldCall any_call(Random& random, int client, std::uint64_t number, json::object& params) const {
     static const auto all = axes();
     const auto& axis = all[static_cast<std::size_t>(random.between(0, 5))].name;
     params["axis"] = axis;
-    const auto value = static_cast<std::int32_t>(far(random));
+    const auto value = far(random, client);
     switch (random.between(0, trouble_.raw ? 27 : 21)) {
       case 0:
       case 1: return {"axis.stop", {axis}};
@@ -341,12 +348,12 @@ class World {
       case 5:
       case 6: params["position_microsteps"] = value; return {"axis.move_to", {axis}, {value}};
       case 7: {
-        const auto velocity = value / 200;
+        const auto velocity = of_client(value / 200, client);
         params["velocity_internal"] = velocity;
         return {"axis.rotate", {axis}, {velocity}};
       }
       case 8:
-      case 9: return line(random, params);
+      case 9: return line(random, client, params);
       case 10:
         params["parameter"] = 4;
         params["value"] = random.between(100, 1000);
@@ -387,7 +394,7 @@ class World {
     // As of a search: of two at once nobody could tell which was sent.
     if (client == 2 && !random.one_in(2))
       return {.method = "coordinate.move", .axes = {axis}, .coordinate = number};
-    params["position_microsteps"] = far(random);
+    params["position_microsteps"] = far(random, client);
     return {"coordinate.set", {axis}};
   }
 
@@ -395,8 +402,8 @@ class World {
   WorldCall raw(Random& random, int client, const std::string& axis, json::object& params) const {
     using tmcl::Command;
     namespace ap = tmcl::axis_parameter;
-    const auto value = static_cast<std::int32_t>(far(random));
-    const auto speed = value / 200;
+    const auto value = far(random, client);
+    const auto speed = of_client(value / 200, client);
     // Soft limits do not hold for raw commands.
     const bool is_limited = axis == "d";
     switch (is_limited ? random.between(6, 7) : random.between(0, 7)) {
@@ -446,12 +453,12 @@ class World {
     return {.method = method, .axes = {}, .about = held.front()};
   }
 
-  static WorldCall line(Random& random, json::object& params) {
+  static WorldCall line(Random& random, int client, json::object& params) {
     const auto chosen = some_axes(random, 2, 4);
     json::array names, positions;
     std::vector<std::int32_t> values;
     for (const auto& axis : chosen) {
-      values.push_back(static_cast<std::int32_t>(far(random)));
+      values.push_back(far(random, client));
       names.emplace_back(axis.name);
       positions.emplace_back(values.back());
     }
