@@ -11,6 +11,7 @@
 #include "api/course_view.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
+#include "api/path_rehearsal.hpp"
 #include "api/path_request.hpp"
 #include "api/staging.hpp"
 #include "async/rest.hpp"
@@ -94,19 +95,30 @@ Result<Axes> axes_for(const Call& call, const OfPath& params, const plan::PathSo
   return in_file_order;
 }
 
+struct ReadForPath {
+  std::vector<plan::Setting> ramp;
+  tmcl::Microsteps position;
+  bool moving = false;
+  tmcl::Duration command{};  ///< How long one took.
+};
+
 /// What limits its ramps, how fast it is, and where: all proven, as the path is computed from it.
-tmcl::Script<tmcl::Result<std::vector<plan::Setting>>> read_for_path(tmcl::AxisAddress axis,
-                                                                     const tmcl::Model& model) {
+tmcl::Script<tmcl::Result<ReadForPath>> read_for_path(tmcl::AxisAddress axis,
+                                                      const tmcl::Model& model) {
+  ReadForPath read;
+  const auto begin = co_await tmcl::current_time();
   auto parameters = plan::ramp_limit_parameters(model);
   parameters.push_back(ap::actual_velocity);
   const auto values = co_await tmcl::must(tmcl::verbs::get_all(axis, parameters, {}));
-  std::vector<plan::Setting> read;
-  for (std::size_t i = 0; i < parameters.size(); ++i) read.push_back({parameters[i], values.at(i)});
+  read.command = (co_await tmcl::current_time() - begin) / std::ssize(parameters);
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    read.ramp.push_back({parameters[i], values.at(i)});
+  read.moving = values.back() != 0;
   tmcl::CallOptions twice;
   twice.proof = tmcl::Proof::twice;
   const auto position = co_await tmcl::must(tmcl::verbs::command(
       {axis.module, tmcl::Command::GAP, ap::actual_position, axis.motor, 0}, std::move(twice)));
-  read.push_back({ap::actual_position, position.reply.value});
+  read.position = {position.reply.value};
   co_return read;
 }
 
@@ -127,9 +139,10 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   if (facts.model == nullptr) co_return facts;
   const auto read = co_await axis.perform(read_for_path(axis.address(), *facts.model), {});
   if (!read) co_return tl::unexpected(read.error());
-  facts.ramp = plan::ramp_limits(*facts.model, *read);
-  facts.moving = read->at(read->size() - 2).value != 0;
-  facts.position = {read->back().value};
+  facts.ramp = plan::ramp_limits(*facts.model, read->ramp);
+  facts.moving = read->moving;
+  facts.position = read->position;
+  facts.command = read->command;
   co_return facts;
 }
 
@@ -175,10 +188,12 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
 
 // ---- the course ----
 
-/// Done with a course where it is made: that may take long, too.
-using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes)>;
+/// Done with a course where it is made: that may take long, too. `axes`: of the file.
+using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes,
+                                const Cast& cast, const plan::PathRequest& request)>;
 
-/// `with_namesakes`: axes of the file that are not named are those of the same name.
+/// `with_namesakes`: axes of the file that are not named are those of the same name; and the twins
+/// of all are read for a rehearsal.
 Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
   const auto request = co_await must(request_of(params));
   // Before the text is read, which may take a while.
@@ -203,17 +218,20 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   auto axes = co_await must(axes_for(call, params, *source, with_namesakes));
   auto known = co_await must(path_axes(*source, axes, request, call.permit));
 
+  Cast cast;
+  if (with_namesakes) cast = co_await must(cast_of(axes, known));
+
   const auto feed = feed_of(known);
   if (!feed) co_return error_of(feed.error(), "feed");
   const plan::PathSource names{source->format, {source->path.axes, {}}};
   auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
-                  look = std::move(look)]() mutable {
+                  cast = std::move(cast), look = std::move(look)]() mutable {
     const auto letters = source.path.axes;
     auto course = from_where_axes_stand(std::move(source), *text, known, request)
                       .and_then([&](const auto& from_there) {
                         return course_of(from_there, limits_of(known), feed, request.tolerance);
                       });
-    if (course) look(*course, letters);
+    if (course) look(*course, letters, cast, request);
     return course;
   };
   auto course = co_await planner.plan(std::move(plan_it));
@@ -298,6 +316,9 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
     passage.tracking_error.push_back({axis.largest, axis.rms(), axis.readings, names[i]});
   }
   passage.off_path = report.largest_off;
+  passage.off_path_at_s = report.largest_off_at_s;
+  const auto& at = report.largest_off_at;
+  passage.off_path_at.assign(at.begin(), at.begin() + std::ssize(names));
   passage.lag_s = report.largest_lag_s;
   if (report.largest_off > tolerance)
     passage.tolerance_exceeded_by = report.largest_off - tolerance;
@@ -305,12 +326,11 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
   return passage;
 }
 
-std::string tolerance_warning(double tolerance, double by) {
+std::string tolerance_warning(double tolerance, double by, double at_s) {
   return fmt::format(
-      "the tolerance of {} was exceeded by at least {}, where positions were read; a lower "
-      "velocity or acceleration, or "
-      "another mode, keeps nearer to the path",
-      tmcl::plain_number(tolerance, 6), tmcl::plain_number(by, 3));
+      "the tolerance of {} was exceeded by at least {}, where positions were read, at {} s; a "
+      "lower velocity or acceleration, or another mode, keeps nearer to the path",
+      tmcl::plain_number(tolerance, 6), tmcl::plain_number(by, 3), tmcl::plain_number(at_s, 4));
 }
 
 using PathRuns = std::vector<std::shared_ptr<PathRun>>;
@@ -368,8 +388,10 @@ Answer<path::Stage> stage_path(Call& call, const path::Stage& params) {
 
 Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
   const auto result = std::make_shared<path::Planned>();
-  auto look = [result, points = params.points.value_or(0)](const plan::Course& course,
-                                                           const std::vector<std::string>& axes) {
+  auto look = [result, points = params.points.value_or(0)](
+                  const plan::Course& course, const std::vector<std::string>& axes,
+                  const Cast& cast, const plan::PathRequest& request) {
+    result->expected = expected_of(course, cast, request);
     result->course = view_of(course, axes);
     if (points > 0) result->curve = curve_of(course, points);
   };
@@ -378,13 +400,15 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
   result->plan = planned.number;
   for (const auto& axis : planned.axes) result->axes.push_back(axis->name());
   result->warnings = co_await warnings_of(planned.axes);
+  if (auto warning = warning_of(result->expected, planned.request.tolerance); !warning.empty())
+    result->warnings.push_back(std::move(warning));
   call.gateway->planned_path = std::make_shared<PlannedPath>(std::move(planned));
   co_return std::move(*result);
 }
 
 Answer<path::Run> run_path(Call& call, const path::Run& params) {
   auto planning = params.plan ? planned_before(call, params)
-                              : plan_for(call, params, false, [](const auto&, const auto&) {});
+                              : plan_for(call, params, false, [](const auto&...) {});
   auto planned = co_await must(std::move(planning));
   const auto place = place_for(call, planned.course.bytes());
   if (!place) {
@@ -410,7 +434,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   auto passage = passage_of(*run, planned.request.tolerance);
   if (run->report().fault) co_return error_of(*run, api::to_json(passage));
   if (const auto by = passage.tolerance_exceeded_by)
-    warnings.push_back(tolerance_warning(planned.request.tolerance, *by));
+    warnings.push_back(tolerance_warning(planned.request.tolerance, *by, passage.off_path_at_s));
   co_return path::Passed{std::move(passage), std::move(warnings)};
 }
 

@@ -1,4 +1,4 @@
-// What a motor feels on a path in position mode: its speed changes by its acceleration, and where
+// What a motor feels on a path: its speed changes by its acceleration, and where
 // two lines meet by what their directions differ in. All that is known of the path here is its
 // lines, and of the axes what the simulated motors do, each millisecond.
 #include <gtest/gtest.h>
@@ -112,7 +112,8 @@ struct Felt {
 };
 
 /// `least` and `most`: how long a command takes.
-Felt pass(const Lines& lines, Random& random, Duration least, Duration most) {
+Felt pass(const Lines& lines, Random& random, Duration least, Duration most,
+          StreamMode mode = StreamMode::position) {
   Bench bench(6212, lines.axes);
   bench.limit(velocity, acceleration);
   bench.most_deviation = 1000;
@@ -138,7 +139,7 @@ Felt pass(const Lines& lines, Random& random, Duration least, Duration most) {
     bench.round_trip = Duration(random.between(least.count(), most.count()));
     return std::nullopt;
   };
-  const auto report = bench.pass(path_of(lines), StreamMode::position);
+  const auto report = bench.pass(path_of(lines), mode);
   if (report.fault) felt.fault = report.fault->message;
   felt.refused = report.fault && report.fault->kind == DriveFault::Kind::slow_bus;
   return felt;
@@ -215,6 +216,26 @@ TEST(StreamJoint, OfAnyLinesChangesNoSpeedByMoreThanItAllows) {
     if (HasFailure()) return;
   }
   EXPECT_GT(passed, 0);
+}
+
+// A stream of velocities gives a change of speed in half an update, by twice the acceleration.
+TEST(StreamJoint, OfAnyLinesInOtherModesChangesNoSpeedByMoreThanItAllows) {
+  Random random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(150); ++round) {
+    const auto lines = random_lines(random);
+    const auto us = 100 + random.any_size(4900);
+    const auto jitter = random.between(0, us);
+    const auto mode = random.one_in(2) ? StreamMode::velocity : StreamMode::segments;
+    SCOPED_TRACE("round " + std::to_string(round) + ": " + std::string(name_of(mode)) + ", " +
+                 std::to_string(us) + " to " + std::to_string(us + jitter) + " us");
+    const auto felt = pass(lines, random, microseconds(us), microseconds(us + jitter), mode);
+    EXPECT_EQ(felt.fault, "") << describe(lines);
+    const auto jumps = greatest_jumps(lines);
+    for (std::size_t axis = 0; axis < lines.axes; ++axis)
+      EXPECT_LE(felt.largest_jump[axis], jumps[axis] + spare(lines) + acceleration * 1e-3)
+          << axis << describe(lines);
+    if (HasFailure()) return;
+  }
 }
 
 // A line, an arc of radius 5 in chords, two lines, and the corner between them.

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "support/random.hpp"
+#include "support/random_path.hpp"
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
 #include "support/stream_bench.hpp"
@@ -62,33 +63,12 @@ struct Scene {
   std::size_t axis = 0;        // whose it is
 };
 
-path_file::Path random_path(Random& random, std::size_t axes) {
-  path_file::Path path{{"X", "Y"}, {}, {}};
-  path.axes.resize(axes);
-  std::array<double, 2> at{};
-  const auto lines = random.between(1, 8);
-  for (std::int64_t i = 0; i < lines; ++i) {
-    const auto way = [&] {
-      return static_cast<double>(random.either_way(random.any_size(8000))) / 1e3;
-    };
-    const auto line = static_cast<std::size_t>(i + 1);
-    if (random.one_in(6)) path.elements.push_back(path_file::Dwell{0.05, line});
-    path_file::LineTo to{{at[0] + way(), at[1] + way()}, {}, {}, line};
-    if (axes == 1) to.target[1] = 0;
-    if (to.target[0] == at[0] && to.target[1] == at[1]) to.target[0] += 1;
-    if (random.one_in(2)) to.feed = static_cast<double>(random.between(1, 20));
-    at = {to.target[0], to.target[1]};
-    path.elements.push_back(to);
-  }
-  return path;
-}
-
 Scene random_scene(Random& random) {
   Scene scene;
   scene.mode = static_cast<StreamMode>(random.between(0, 2));
   if (scene.mode != StreamMode::position && random.one_in(3)) scene.model = 3110;
   if (scene.mode != StreamMode::position && random.one_in(3)) scene.model = 142;
-  scene.path = random_path(random, scene.model == 142 ? 1 : 2);
+  scene.path = test::random_path(random, scene.model == 142 ? 1 : 2);
   scene.velocity = static_cast<double>(random.between(4, 20));
   scene.acceleration = static_cast<double>(random.between(50, 500));
   if (scene.model != 6212) {  // as it is delivered
@@ -291,15 +271,7 @@ std::string describe(const Scene& scene) {
           std::to_string(scene.round_trip.count() / 1000) + " us, " +
           std::to_string(scene.velocity) + " mm/s, " + std::to_string(scene.acceleration) +
           " mm/s2:";
-  for (const auto& element : scene.path.elements) {
-    if (const auto* to = std::get_if<path_file::LineTo>(&element)) {
-      text += " (" + std::to_string(to->target[0]) + ", " + std::to_string(to->target[1]) + ")";
-      if (to->feed) text += " F" + std::to_string(*to->feed);
-    } else {
-      text += " dwell";
-    }
-  }
-  return text;
+  return text + test::describe(scene.path);
 }
 
 TEST(StreamProperty, WhateverHappensItEndsAsItShould) {

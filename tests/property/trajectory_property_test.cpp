@@ -205,8 +205,8 @@ void expect_within(const Trajectory& plan, const Box& box) {
 }
 
 TEST(TrajectoryProperty, LeadsToTheTargetWithinTheLimits) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     const auto c = any_case(random, !random.one_in(4));
     SCOPED_TRACE("round " + std::to_string(round) + ": " + text(c));
     const auto plan = c.plan();
@@ -220,8 +220,8 @@ TEST(TrajectoryProperty, LeadsToTheTargetWithinTheLimits) {
 }
 
 TEST(TrajectoryProperty, LeadsToTheTargetFromBeyondTheLimits) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     auto c = any_case(random, !random.one_in(4));
     c.start.velocity += random.within(3 * c.box.velocity);
     if (!std::isinf(c.box.jerk)) c.start.acceleration += random.within(c.box.high);
@@ -239,8 +239,8 @@ TEST(TrajectoryProperty, LeadsToTheTargetFromBeyondTheLimits) {
 
 // A speed above the limit never grows further; once inside, it stays there.
 TEST(TrajectoryProperty, SpeedAboveTheLimitOnlyFalls) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     auto c = any_case(random, !random.one_in(4));
     c.start.acceleration = 0;
     c.start.velocity *= random.between(1, 3);
@@ -260,8 +260,8 @@ TEST(TrajectoryProperty, SpeedAboveTheLimitOnlyFalls) {
 }
 
 TEST(TrajectoryProperty, FromRestToRestIsSymmetricInTime) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     Case c{any_box(random, !random.one_in(4)), {}, {}};
     c.box.low = -c.box.high;
     c.target.position = random.within(random.magnitude());
@@ -291,8 +291,8 @@ Ramp ramp(double speed, double acceleration, double jerk) {
 // Over the greatest speeds of all sizes: none is faster, and the fastest is about as fast.
 TEST(TrajectoryProperty, FromRestToRestNoGreatestSpeedIsFaster) {
   constexpr int speeds = 2000;
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds) / 100; ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds) / 100; ++round) {
     Case c{any_box(random, !random.one_in(4)), {}, {}};
     c.target.position = random.magnitude();
     SCOPED_TRACE("round " + std::to_string(round) + ": " + text(c));
@@ -360,9 +360,9 @@ double blur(double time, const Box& box) {
 }
 
 TEST(TrajectoryProperty, NothingWithinTheLimitsIsFaster) {
-  Numbers random(test::seed());
+  Numbers random(tmcl::test::seed());
   int compared = 0;
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     const auto box = any_box(random, !random.one_in(4));
     const auto start = state_within(random, box);
     const auto other = wandered(random, box, start);
@@ -377,12 +377,12 @@ TEST(TrajectoryProperty, NothingWithinTheLimitsIsFaster) {
     EXPECT_LE(plan->duration(), other.time + blur(other.time, box)) << text(other.state);
     if (testing::Test::HasFailure()) return;
   }
-  EXPECT_GT(compared, test::rounds(usual_rounds) / 2);
+  EXPECT_GT(compared, tmcl::test::rounds(usual_rounds) / 2);
 }
 
 TEST(TrajectoryProperty, NothingWithinTheLimitsComesFasterToAVelocity) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     auto box = any_box(random, !random.one_in(4));
     box.low = -box.high;
     const auto start = state_within(random, box);
@@ -405,8 +405,8 @@ TEST(TrajectoryProperty, NothingWithinTheLimitsComesFasterToAVelocity) {
 
 // What is left of the fastest movement is the fastest one from there.
 TEST(TrajectoryProperty, PlannedAgainOnTheWayItIsTheSame) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     auto c = any_case(random, !random.one_in(4));
     c.box.low = -c.box.high;
     c.start.acceleration = c.target.acceleration = c.target.velocity = 0;

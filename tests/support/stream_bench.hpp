@@ -17,6 +17,7 @@
 #include "sim/module/module.hpp"
 #include "support/no_events.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/plan/rehearsal.hpp"
 #include "tmcl/plan/stream.hpp"
 
 namespace tmcl::plan::test {
@@ -64,14 +65,22 @@ class StreamBench {
     }
   }
 
+  /// What becomes of it by the twins of the axes; they stay where they are.
+  Rehearsal rehearse(const path_file::Path& path, StreamMode mode) {
+    plan(path);
+    std::vector<RehearsedAxis> axes;
+    for (std::uint8_t axis = 0; axis < course_->axes(); ++axis) {
+      const auto known = info(axis);
+      axes.push_back({known, *known.twin, settings(axis)});
+    }
+    return plan::rehearse(*course_, std::move(axes), options_for(mode), round_trip);
+  }
+
   StreamReport pass(const path_file::Path& path, StreamMode mode) {
-    auto course = Course::of(path, limits_);
-    EXPECT_TRUE(course) << course.error();
-    course_ = std::move(*course);
+    plan(path);
     std::vector<StreamAxis> axes;
     for (std::uint8_t axis = 0; axis < course_->axes(); ++axis) axes.push_back(info(axis));
-    stream_.emplace(*course_, std::move(axes),
-                    StreamOptions{.mode = mode, .most_deviation = most_deviation});
+    stream_.emplace(*course_, std::move(axes), options_for(mode));
     while (true) {
       const auto step = stream_->next(clock_.now());
       if (std::holds_alternative<DriveEnd>(step)) return stream_->report();
@@ -129,6 +138,20 @@ class StreamBench {
   }
 
  private:
+  void plan(const path_file::Path& path) {
+    auto course = Course::of(path, limits_);
+    EXPECT_TRUE(course) << course.error();
+    course_ = std::move(*course);
+  }
+  StreamOptions options_for(StreamMode mode) const {
+    return {.mode = mode, .most_deviation = most_deviation};
+  }
+  std::vector<Setting> settings(std::uint8_t axis) {
+    std::vector<Setting> all;
+    for (const auto parameter : AxisTwin::parameters(model_))
+      all.push_back({parameter, get(axis, parameter)});
+    return all;
+  }
   StreamAxis info(std::uint8_t axis) {
     StreamAxis made{microsteps_per_mm,    initial_units(model_), 0, 0, 0,
                     AxisTwin::of(model_), model_.family};
@@ -139,8 +162,7 @@ class StreamBench {
     made.greatest_velocity = most(ap::target_velocity);
     made.greatest_acceleration = most(ap::max_acceleration);
     made.greatest_stop_velocity = most(20);
-    for (const auto parameter : AxisTwin::parameters(model_))
-      made.twin->set({parameter, get(axis, parameter)});
+    if (made.twin) made.twin->set(settings(axis));
     return made;
   }
 

@@ -165,7 +165,16 @@ const boost::json::object planned{
        {{{"axis", "X"}, {"least", 0}, {"greatest", 10}, {"top_speed", 5}},
         {{"axis", "Y"}, {"least", -1}, {"greatest", 0}, {"top_speed", 1}}}},
       {"slowest_corners", boost::json::array{}}}},
-    {"curve", {{"times_s", {0, 2}}, {"positions", {{0, 0}, {10, -1}}}}}};
+    {"curve", {{"times_s", {0, 2}}, {"positions", {{0, 0}, {10, -1}}}}},
+    {"expected",
+     {{{"mode", "velocity"},
+       {"off_path", 0.07},
+       {"off_path_at_s", 1.5},
+       {"off_path_at", {7, -1}},
+       {"lag_s", 0.002},
+       {"foreseen_s", 2},
+       {"keeps_tolerance", false}},
+      {{"mode", "position"}, {"keeps_tolerance", false}, {"refused", "line 1: it is too short"}}}}};
 
 TEST_F(CtlPath, APathIsPlannedOnceAndRunAsItWasPlanned) {
   const auto line = file("G1 X10 F600\n");
@@ -202,9 +211,13 @@ TEST_F(CtlPath, ADryRunShowsAndDrawsWhatWasPlanned) {
   EXPECT_EQ(run({"path", "run", line, "--dry-run", "--svg", svg}), ExitCode::done) << err;
   EXPECT_THAT(out, HasSubstr("10.5 units in 2 s, 1 leg\n"));
   EXPECT_THAT(out, HasSubstr("Y     -1    0   1"));
+  EXPECT_THAT(out, HasSubstr("velocity  0.0700"));
+  EXPECT_THAT(out, HasSubstr("1.500 s  2.0 ms  exceeded"));
+  EXPECT_THAT(out, HasSubstr("line 1: it is too short"));
   EXPECT_TRUE(std::filesystem::remove(svg));
   const auto document = json({"path", "run", line, "--dry-run"});
   EXPECT_EQ(document.at("axes").at(0).at("axis"), "X");
+  EXPECT_EQ(document.at("expected").at(1).at("refused"), "line 1: it is too short");
   EXPECT_EQ(std::string(document.at("file").as_string()), line);
   for (const auto& call : target.calls) EXPECT_THAT(call, HasSubstr("path.plan"));
 }

@@ -58,6 +58,40 @@ TEST_F(DaemonPathPlan, WhatWasSaidOfAPathIsWhatIsRun) {
   EXPECT_EQ(name_of(bench.call("path.run", run(planned))), "no_plan");
 }
 
+// What was asked for first; a path is passed as it was foreseen.
+TEST_F(DaemonPathPlan, WhatEachModeMakesOfAPathIsToldBeforeItIsRun) {
+  const auto planned = plan(corner, {{"mode", "segments"}});
+  EXPECT_FALSE(has_moved());
+  const auto& expected = planned.at("expected").as_array();
+  ASSERT_EQ(expected.size(), 3U);
+  EXPECT_EQ(expected[0].at("mode"), "segments");
+  EXPECT_EQ(expected[1].at("mode"), "velocity");
+  EXPECT_EQ(expected[2].at("mode"), "position");
+  const auto& course = planned.at("course").as_object();
+  for (const auto& mode : expected) {
+    EXPECT_TRUE(mode.at("refused").is_null());
+    EXPECT_TRUE(mode.at("keeps_tolerance").as_bool());
+    EXPECT_GT(mode.at("off_path").to_number<double>(), 0);
+    EXPECT_LT(mode.at("off_path_at_s").to_number<double>(),
+              course.at("duration_s").to_number<double>());
+    EXPECT_EQ(mode.at("off_path_at").as_array().size(), 2U);
+  }
+  EXPECT_TRUE(planned.at("warnings").as_array().empty());
+  const auto ended = bench.call("path.run", run(planned));
+  ASSERT_TRUE(ended) << ended.error().message;
+  // Between two readings it may have been farther off.
+  EXPECT_LT(ended->at("off_path").to_number<double>(),
+            expected[0].at("off_path").to_number<double>() + 0.01);
+  EXPECT_EQ(ended->at("off_path_at").as_array().size(), 2U);
+}
+
+TEST_F(DaemonPathPlan, AModeThatLeavesThePathIsWarnedOfBeforeItIsRun) {
+  const auto planned = plan(corner, {{"tolerance", 1e-6}, {"deviation", 1}});
+  EXPECT_FALSE(planned.at("expected").at(0).at("keeps_tolerance").as_bool());
+  EXPECT_THAT(json::serialize(planned.at("warnings")),
+              HasSubstr("mode velocity is expected to leave the path by"));
+}
+
 // A right angle at 20 mm/s.
 TEST_F(DaemonPathPlan, ACornerChangesNoSpeedByMoreThanItsAxisMay) {
   const std::string right_angle = "G1 X8 F1200\nG1 Y8\n";

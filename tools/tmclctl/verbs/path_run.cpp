@@ -138,8 +138,9 @@ void print(const api::path::Passed& report, StreamMode mode, Output& output) {
     table.add({axis.axis, fmt::format("{:.4f}", axis.largest), fmt::format("{:.4f}", axis.rms),
                std::to_string(axis.readings)});
   table.print(output.out);
-  output.out << fmt::format("seen at most {:.4f} off the path and {:.1f} ms late on it\n",
-                            report.off_path, 1e3 * report.lag_s);
+  output.out << fmt::format(
+      "seen at most {:.4f} off the path, at {:.3f} s, and {:.1f} ms late on it\n", report.off_path,
+      report.off_path_at_s, 1e3 * report.lag_s);
   output.out << fmt::format("{} {} in {:.3f} s, {} {:.1f} ms, at most {:.1f} ms late\n",
                             report.updates, by_position ? "legs" : "updates", report.passed_s,
                             mode == StreamMode::velocity ? "one every" : "the shortest takes",
@@ -166,6 +167,23 @@ Result<ExitCode> tell(PathEnd end, StreamMode mode, Output& output) {
                                           std::move(failure.subject)));
 }
 
+void print(const std::vector<api::path::Expected>& expected, Output& output) {
+  if (expected.empty()) return;
+  Table table({"MODE", "EXPECTED OFF THE PATH", "AT", "LATE", "TOLERANCE"});
+  for (const auto& mode : expected) {
+    if (mode.refused) {
+      table.add({mode.mode, "-", "-", "-", *mode.refused});
+      continue;
+    }
+    table.add({mode.mode, fmt::format("{:.4f}", mode.off_path),
+               fmt::format("{:.3f} s", mode.off_path_at_s),
+               fmt::format("{:.1f} ms", 1e3 * mode.lag_s),
+               mode.keeps_tolerance ? "kept" : "exceeded"});
+  }
+  output.out << '\n';
+  table.print(output.out);
+}
+
 Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   const auto plan = plan_of(verb, context);
   if (!plan) return tl::unexpected(plan.error());
@@ -183,9 +201,11 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   if (context.output.json) {
     auto document = api::to_json(plan->course);
     document["file"] = verb.file;
+    document["expected"] = api::to_json(*plan).at("expected");
     print_json(document, context.output);
   } else {
     path::print(verb.file, plan->course, context.output);
+    print(plan->expected, context.output);
   }
   return ExitCode::done;
 }

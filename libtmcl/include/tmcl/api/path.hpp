@@ -87,6 +87,8 @@ struct Passage {
       double, off_path,
       "how far from the path the axes were seen at most, in the unit of the file; between two "
       "readings they may have been farther off");
+  TMCL_FIELD(double, off_path_at_s, "when that was, in seconds of the course");
+  TMCL_FIELD(std::vector<double>, off_path_at, "where each axis was then");
   TMCL_FIELD(double, lag_s, "how late on the path they were seen at most");
   TMCL_FIELD(std::optional<double>, tolerance_exceeded_by,
              "by how much off_path is more than the tolerance, at least; null if it is not");
@@ -158,12 +160,29 @@ struct Curve {
   TMCL_FIELD(std::vector<double>, times_s, "of its points");
   TMCL_FIELD(std::vector<std::vector<double>>, positions, "of each axis at each of them");
 };
+/// What the axes are expected to make of it in a mode, by their twins.
+struct Expected {
+  TMCL_STRUCT(Expected);
+  TMCL_FIELD(std::string, mode, "velocity, segments or position");
+  TMCL_FIELD(double, off_path, "how far from the path the axes get, in the unit of the file");
+  TMCL_FIELD(double, off_path_at_s, "when they are so far off, in seconds of the course");
+  TMCL_FIELD(std::vector<double>, off_path_at, "where each axis is then");
+  TMCL_FIELD(double, lag_s, "how late on the path they get");
+  TMCL_FIELD(double, foreseen_s,
+             "how much of the course was looked at; a long one is not, as a whole");
+  TMCL_FIELD(bool, keeps_tolerance, "whether off_path stays within the tolerance");
+  TMCL_FIELD(std::optional<std::string>, refused,
+             "why the path cannot be passed in this mode, or would be ended; null if it can");
+};
 struct Planned {
   TMCL_STRUCT(Planned);
   TMCL_FIELD(std::int32_t, plan, "by which path.run runs it, once; the daemon keeps the last one");
   TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
   TMCL_FIELD(Course, course, "where it leads, and how fast");
   TMCL_FIELD(std::optional<Curve>, curve, "to draw it; null unless points are asked for");
+  TMCL_FIELD(std::vector<Expected>, expected,
+             "what is expected in each mode, the one that was asked for first; empty where the "
+             "ramps of an axis are not described");
   TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
 };
 /// So many points at most: an answer has to be sent.

@@ -103,6 +103,7 @@ struct PathAxisFacts {
   double corner_jump = std::numeric_limits<double>::infinity();
   Microsteps position{};
   bool moving = false;
+  Duration command{};  ///< How long a command to it takes.
 };
 
 struct PathAxis {
@@ -117,6 +118,7 @@ struct PathAxis {
   /// What the request allows along the path; infinite if nothing, or for an axis that goes along.
   double feed = 0;
   double stands_at = 0;  ///< In the file's units.
+  Duration command{};    ///< How long a command to it takes.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
 /// cannot; a quantity that it cannot be measured in, by the name of the Errc.

@@ -100,8 +100,10 @@ struct StreamReport : DriveReport {
   double passed_s = 0;          ///< How long that took.
   double busy_s = 0;            ///< How much of that commands took.
   std::vector<AxisTracking> axes;
-  double largest_off = 0;    ///< Across the path, as far as readings tell; in units.
-  double largest_lag_s = 0;  ///< Along it: how late the axes were at most.
+  double largest_off = 0;       ///< Across the path, as far as readings tell; in units.
+  double largest_off_at_s = 0;  ///< When that was, in seconds of the course.
+  AxisValues largest_off_at{};  ///< Where the axes were then.
+  double largest_lag_s = 0;     ///< Along it: how late the axes were at most.
 };
 
 class StreamRunner;

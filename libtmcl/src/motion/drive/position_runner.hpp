@@ -1,6 +1,8 @@
 /// A stream of positions: legs, loaded into ramp generators one after the other.
 #pragma once
 
+#include <string>
+
 #include "motion/drive/ramp_legs.hpp"
 
 namespace tmcl::plan {
@@ -44,6 +46,7 @@ class PositionRunner final : public StreamRunner {
   Fault fault_of_axes() const;
   Script<Fault> set_joint_accelerations();
   Script<Fault> fit_legs_to_bus();
+  std::string too_short(std::size_t index) const;
   Script<Fault> start_ramps();
   Script<Fault> pause_between(const CourseLeg& next);
   Script<Fault> watch_until(TimePoint due);
@@ -66,6 +69,8 @@ class PositionRunner final : public StreamRunner {
   Script<Fault> set_start_speed(const Passage& passage, std::size_t axis);
   Script<Fault> set_velocity(const Passage& passage, double speed, std::size_t axis);
   Script<Fault> set_target(const Load& load);
+  std::int32_t deceleration_of(const Passage& passage, const Load& load) const;
+  bool is_too_gentle(const Passage& passage, const Load& load) const;
   Script<Fault> set_deceleration(const Passage& passage, const Load& load);
   Script<Fault> set_braking(const Passage& passage, const Load& load);
   Way way_to(const Passage& passage, std::size_t axis) const;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "motion/drive/place_on_path.hpp"
 #include "motion/drive/stream_runner.hpp"
 #include "tmcl/plain_number.hpp"
 
@@ -70,9 +70,6 @@ namespace {
 namespace ap = axis_parameter;
 
 constexpr int measuring_rounds = 4;
-// How far before and behind its place on the course the nearest point of the path is sought.
-constexpr int path_steps = 20;
-constexpr double path_step_s = 0.005;
 constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
 
 }  // namespace
@@ -205,32 +202,17 @@ DriveRunner::Fault StreamRunner::take_reading(std::size_t axis) {
                   plain_number(position, 6), plain_number(options_.most_deviation, 6)));
 }
 
-// What the axes are off their plan in time is a distance from the path and a delay on it: from the
-// nearest point of what the course passes shortly before and after.
+// What the axes are off their plan in time is a distance from the path and a delay on it.
 void StreamRunner::note_place_on_path() {
-  const auto count = axes_.size();
-  const double now = clock_.passed();
-  auto place = course_.at(now).position;
-  for (std::size_t axis = 0; axis < count; ++axis)
+  auto place = course_.at(clock_.passed()).position;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
     place[axis] = planned_position(axis) + off_plan_[axis];
-  double nearest = std::numeric_limits<double>::infinity(), lag = 0;
-  for (int step = -path_steps; step < path_steps; ++step) {
-    const double from = now + step * path_step_s;
-    const auto begin = course_.at(from).position, end = course_.at(from + path_step_s).position;
-    double squares = 0, along = 0, off = 0;
-    for (std::size_t axis = 0; axis < count; ++axis) {
-      squares += (end[axis] - begin[axis]) * (end[axis] - begin[axis]);
-      along += (place[axis] - begin[axis]) * (end[axis] - begin[axis]);
-    }
-    const double part = squares > 0 ? std::clamp(along / squares, 0.0, 1.0) : 0;
-    for (std::size_t axis = 0; axis < count; ++axis)
-      off = std::hypot(off, place[axis] - std::lerp(begin[axis], end[axis], part));
-    if (off >= nearest) continue;
-    nearest = off;
-    lag = -(step + part) * path_step_s;
-  }
-  report_.largest_off = std::max(report_.largest_off, nearest);
+  const auto [off, lag] = place_on_path(course_, clock_.passed(), place, report_.largest_off);
   report_.largest_lag_s = std::max(report_.largest_lag_s, lag);
+  if (off <= report_.largest_off) return;
+  report_.largest_off = off;
+  report_.largest_off_at_s = passed();
+  report_.largest_off_at = place;
 }
 
 // Whether it does what it was told last.

@@ -43,7 +43,8 @@ StreamScript PositionRunner::write_before(const Passage& passage, const Load& lo
   if (!refused && (load.way == Way::from_rest || load.way == Way::brakes))
     refused = co_await set_start_speed(passage, load.axis);
   if (refused || load.way != Way::goes_on) co_return refused;
-  refused = co_await set_target(load);
+  if (is_too_gentle(passage, load)) refused = co_await set_deceleration(passage, load);
+  if (!refused) refused = co_await set_target(load);
   if (!refused) refused = co_await set_braking(passage, load);
   co_return refused;
 }
@@ -57,8 +58,8 @@ StreamScript PositionRunner::begin_leg(const Passage& passage) {
     if (!refused && load.way == Way::goes_on_late)
       refused = co_await set(load.axis, {ap::max_acceleration, load.amax});
     if (!refused) refused = co_await set_start_speed(passage, load.axis);
-    // A generator that brakes by less would go on with that for a target that stays where it is.
-    const bool may_brake = load.way == Way::brakes || load.way == Way::goes_on_late;
+    const bool may_brake = load.way == Way::brakes || load.way == Way::goes_on_late ||
+                           (load.way == Way::turns && is_too_gentle(passage, load));
     if (!refused && may_brake) refused = co_await set_deceleration(passage, load);
     if (!refused && load.way != Way::goes_on) refused = co_await set_target(load);
     if (refused) co_return refused;
@@ -71,20 +72,23 @@ StreamScript PositionRunner::begin_leg(const Passage& passage) {
   co_return std::nullopt;
 }
 
+// The velocities last, in quick succession: an axis that speeds up before the others leaves the
+// path by what it is faster, until they are as fast.
 StreamScript PositionRunner::load_ramps(const Passage& passage) {
   for (const auto& load : loads_) {
     auto wrong = co_await check(load.axis);
     if (!wrong) wrong = asked_to_stop();
-    if (wrong) co_return wrong;
-    wrong = co_await set(load.axis, {dmax, load.dmax});
-    if (wrong) co_return wrong;
-    const auto& ramp = passage.leg.axis[load.axis];
-    const auto most = axes_[load.axis].greatest_acceleration;
-    if (passage.leg.speeds_up && !legs_.hardly_moves(passage.leg, load.axis)) {
-      const auto amax = acceleration_in(axes_[load.axis], ramp.amax, most);
+    if (!wrong) wrong = co_await set(load.axis, {dmax, load.dmax});
+    const bool speeds_up = passage.leg.speeds_up && !legs_.hardly_moves(passage.leg, load.axis);
+    if (!wrong && speeds_up) {
+      const auto amax = acceleration_in(axes_[load.axis], passage.leg.axis[load.axis].amax,
+                                        axes_[load.axis].greatest_acceleration);
       wrong = co_await set(load.axis, {ap::max_acceleration, amax});
     }
-    if (!wrong) wrong = co_await set_velocity(passage, ramp.vmax, load.axis);
+    if (wrong) co_return wrong;
+  }
+  for (const auto& load : loads_) {
+    auto wrong = co_await set_velocity(passage, passage.leg.axis[load.axis].vmax, load.axis);
     if (wrong) co_return wrong;
   }
   co_return std::nullopt;
@@ -113,9 +117,20 @@ StreamScript PositionRunner::set_target(const Load& load) {
 
 // With the deceleration of the leg, an axis that the joint makes slower would begin to brake for
 // the leg's end there: it gets it when it has the speed of the leg.
-StreamScript PositionRunner::set_deceleration(const Passage& passage, const Load& load) {
+std::int32_t PositionRunner::deceleration_of(const Passage& passage, const Load& load) const {
   const bool joint_only = passage.drive == Drive::by_ramps_after_joint;
-  return set(load.axis, {dmax, joint_only ? legs_.joint_accelerations[load.axis] : load.dmax});
+  return joint_only ? legs_.joint_accelerations[load.axis] : load.dmax;
+}
+
+StreamScript PositionRunner::set_deceleration(const Passage& passage, const Load& load) {
+  return set(load.axis, {dmax, deceleration_of(passage, load)});
+}
+
+// With the deceleration that it has, it might brake for the leg's end too soon; and a generator
+// that brakes goes on with that until its target is written once more, however well it could brake
+// by then.
+bool PositionRunner::is_too_gentle(const Passage& passage, const Load& load) const {
+  return settings_[load.axis].now(dmax).value_or(0) < deceleration_of(passage, load);
 }
 
 StreamScript PositionRunner::set_braking(const Passage& passage, const Load& load) {

@@ -86,6 +86,16 @@ DriveRunner::Fault PositionRunner::fault_of_axes() const {
   return std::nullopt;
 }
 
+// A leg is loaded while those before it are passed.
+std::string PositionRunner::too_short(std::size_t index) const {
+  const auto leg = course_.leg(index), before = course_.leg(index - 1);
+  return fmt::format(
+      "line {}: to load it takes {:.2f} ms ({} commands of {:.0f} us, and a quarter spare), and "
+      "the leg before it, of line {}, takes {:.2f} ms; velocity mode needs fewer commands",
+      leg.line, seconds(legs_.lead_of(index)) * 1e3, legs_.commands_of(index),
+      seconds(report_.round_trip) * 1e6, before.line, (before.end - before.begin) * 1e3);
+}
+
 StreamScript PositionRunner::fit_legs_to_bus() {
   Duration free{};
   report_.period = Duration::max();
@@ -96,12 +106,7 @@ StreamScript PositionRunner::fit_legs_to_bus() {
     free = std::max(free, begin - lead) + lead;
     report_.period = std::min(report_.period, duration(leg.end - leg.begin));
     if (i > 0 && free > begin + lead / 2) {
-      co_return fault(
-          DriveFault::Kind::slow_bus, {},
-          fmt::format("line {}: its leg takes {:.2f} ms, and to load it takes {:.2f} ms: {} "
-                      "commands of {:.0f} us, and a quarter spare; velocity mode needs fewer",
-                      leg.line, (leg.end - leg.begin) * 1e3, seconds(lead) * 1e3,
-                      legs_.commands_of(i), seconds(report_.round_trip) * 1e6));
+      co_return fault(DriveFault::Kind::slow_bus, {}, too_short(i));
     }
     if (drive == Drive::by_ramps_after_joint)
       free = begin + legs_.time_of_joint(i) +

@@ -237,6 +237,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   axis.limits = facts.limits;
   axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;
   axis.stands_at = facts.position.value / *scale;
+  axis.command = facts.command;
   axis.range = range_of(*facts.model, *facts.units, ap::target_position);
   axis.velocity = facts.ramp.velocity * facts.units->velocity.value / std::abs(*scale);
   axis.acceleration = facts.ramp.acceleration * facts.units->acceleration.value / std::abs(*scale);
