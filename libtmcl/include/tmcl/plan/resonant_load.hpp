@@ -3,7 +3,7 @@
 ///     r'' + 2 d w r' + w^2 r = -a,   w = 2 pi f
 ///
 /// r is where the load is less where the motor is, a the acceleration of the motor, d the damping:
-/// the oscillator that every text on vibrations has. Solved exactly while a is constant.
+/// the oscillator that every text on vibrations has. Solved exactly while a changes evenly.
 #pragma once
 
 #include <optional>
@@ -19,8 +19,9 @@ class ResonantLoad {
  public:
   explicit ResonantLoad(Resonance resonance);
 
-  /// Lets time pass in which the motor accelerates so. Seconds, and any length.
-  void advance(double seconds, double acceleration);
+  /// Lets time pass in which the motor accelerates so at first, and the acceleration changes by
+  /// `jerk` a second. Seconds, and any length.
+  void advance(double seconds, double acceleration, double jerk = 0);
   /// The speed of the motor changes by so much at once; that of the load does not.
   void jump(double speed) { speed_ -= speed; }
 

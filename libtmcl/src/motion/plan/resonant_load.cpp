@@ -15,15 +15,19 @@ ResonantLoad::ResonantLoad(Resonance resonance)
   swinging_ = natural_ * std::sqrt(1 - damping * damping);
 }
 
-void ResonantLoad::advance(double seconds, double acceleration) {
-  // Around the place where it would come to rest it swings freely.
-  const double rest = -acceleration / (natural_ * natural_);
+void ResonantLoad::advance(double seconds, double acceleration, double jerk) {
+  // It swings freely around what would not swing at all: (2 d w jerk - w^2 (a + jerk t)) / w^4.
+  const double square = natural_ * natural_;
+  const double rest = -acceleration / square + 2 * decay_ * jerk / (square * square);
+  const double rest_speed = -jerk / square;
   const double away = offset_ - rest;
+  const double faster = speed_ - rest_speed;
   const double shrunk = std::exp(-decay_ * seconds);
   const double cosine = std::cos(swinging_ * seconds);
   const double sine = std::sin(swinging_ * seconds) / swinging_;
-  offset_ = rest + shrunk * (away * cosine + (speed_ + decay_ * away) * sine);
-  speed_ = shrunk * (speed_ * cosine - (decay_ * speed_ + natural_ * natural_ * away) * sine);
+  offset_ =
+      rest + rest_speed * seconds + shrunk * (away * cosine + (faster + decay_ * away) * sine);
+  speed_ = rest_speed + shrunk * (faster * cosine - (decay_ * faster + square * away) * sine);
 }
 
 double ResonantLoad::swing() const {
