@@ -25,7 +25,7 @@ _tmclctl() {
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --model) model=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
-        --sample | --until | --full-steps | --velocity | --acceleration | --show | --with | --as | --resonance | --damping | --motor | --pulse-div | --ramp-div | \
+        --sample | --until | --full-steps | --velocity | --acceleration | --show | --with | --as | --resonance | --damping | --distance | --motor | --pulse-div | --ramp-div | \
         --unit-mode | --microsteps | --screw-pitch | --units-per-revolution | --unit | --gear-ratio | --jerk | --deceleration | \
         --bow | --clock | --corner-jump | --microsteps-per-unit | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
         --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | --last | -w | --write | -r | --read | -o | --output)

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "api/comparison_handlers.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
 #include "api/token_handlers.hpp"
@@ -69,6 +70,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::get_ramp>(observe),
     method<handlers::plan_ramp>(observe),
     method<handlers::set_ramp>(operate),
+    method<handlers::compare_ramps>(observe),
     method<handlers::home>(operate),
     method<handlers::start_home>(operate),
     method<handlers::stop_home>(stop),

@@ -1,13 +1,18 @@
 // The ramp of an axis: what makes it, which parameters would make another, and setting them.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include "api/handlers.hpp"
+#include <fmt/format.h>
+
+#include "api/comparison_handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/ramp_view.hpp"
+#include "async/rest.hpp"
 #include "tmcl/module_traits.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/ramp_comparison.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 
 namespace tmcld::handlers {
@@ -189,7 +194,80 @@ Error not_foreseeable(const GatewayAxis& axis, const std::string& why) {
       "not_foreseeable", "how " + axis.name() + " will move cannot be foreseen: " + why);
 }
 
+using api::ramp::Compare;
+
+/// Between two bounds; NaN is not.
+Task<double> number_within(std::string_view param, double value, double least, double greatest) {
+  if (value >= least && value <= greatest) co_return value;
+  co_return param_error("out_of_range", param,
+                        fmt::format("'{}' is {} to {}, not {}", param, least, greatest, value));
+}
+
+/// What swings behind the motor; nothing if no resonance was said.
+Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& params,
+                                            double distance) {
+  constexpr double usual_damping = 0.05;
+  constexpr double part_of_the_way = 1e-3;
+  if (!params.resonance_hz) co_return std::nullopt;
+  plan::LoadWish load;
+  load.resonance.frequency_hz = co_await must(
+      number_within(api::name_of<&Compare::resonance_hz>(), *params.resonance_hz, 0.01, 1e5));
+  load.resonance.damping = co_await must(number_within(
+      api::name_of<&Compare::damping>(), params.damping.value_or(usual_damping), 0, 0.999));
+  load.tolerance = part_of_the_way * distance;
+  if (params.tolerance || params.tolerance_microsteps) {
+    const auto said = co_await must(length_of(
+        axis, raw_or_quantity<&Compare::tolerance_microsteps, &Compare::tolerance>(params),
+        nullptr));
+    load.tolerance = std::abs(static_cast<double>(said.microsteps.value));
+  }
+  co_return load;
+}
+
 }  // namespace
+
+Answer<api::ramp::Compare> compare_ramps(Call& call, const api::ramp::Compare& params) {
+  const auto found = co_await must(axis_of(call, params.axis));
+  auto& axis = *found;
+  auto chosen = co_await must(choose(axis, params));
+  const auto said = co_await must(length_of(
+      axis, raw_or_quantity<&Compare::distance_microsteps, &Compare::distance>(params), nullptr));
+  const auto distance = said.microsteps;
+  const auto load =
+      co_await must(load_of(axis, params, std::abs(static_cast<double>(distance.value))));
+  const auto twin = co_await must(axis.twin({}), axis);
+  const auto& model = *chosen.model;
+  if (!twin) {
+    co_return not_foreseeable(axis,
+                              "the ramps of a " + std::string(model.name) + " are not described");
+  }
+  auto settings = axis.ramp_settings();
+  const auto& more = chosen.ramp.choice.settings;
+  settings.insert(settings.end(), more.begin(), more.end());
+  const auto unit = co_await unit_per_microstep(axis);
+  api::ramp::Comparison comparison{axis.name(), std::string(model.name)};
+  if (unit) comparison.unit = axis.unit();
+  comparison.distance_microsteps = distance.value;
+  if (load) comparison.tolerance_microsteps = load->tolerance;
+  std::vector<plan::RampVerdict> verdicts;
+  for (const auto& variant : plan::ramp_variants(model, settings)) {
+    auto all = settings;
+    all.insert(all.end(), variant.begin(), variant.end());
+    const auto move = plan::follow_move(model, all, distance);
+    if (!move) {
+      co_return param_error<&Compare::distance>(
+          "out_of_range", fmt::format("a {} makes no move by {} microsteps with such a ramp",
+                                      model.name, distance.value));
+    }
+    verdicts.push_back(plan::judge(*move, load));
+    comparison.ramps.push_back(tmcld::view_of(variant, verdicts.back(), model, unit));
+    // Others go on meanwhile: each takes well below a millisecond.
+    co_await rest({});
+  }
+  if (const auto first = plan::first_settled(verdicts))
+    comparison.proposed = static_cast<std::int32_t>(*first);
+  co_return comparison;
+}
 
 Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   const auto found = co_await must(axis_of(call, params.axis));

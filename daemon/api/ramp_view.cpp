@@ -43,4 +43,17 @@ axis::Ramp view_of(const tmcl::plan::PlannedRamp& planned, const tmcl::Model& mo
   return ramp;
 }
 
+tmcl::api::ramp::ComparedRamp view_of(const std::vector<tmcl::plan::Setting>& settings,
+                                      const tmcl::plan::RampVerdict& verdict,
+                                      const tmcl::Model& model, std::optional<double> unit) {
+  tmcl::api::ramp::ComparedRamp ramp;
+  ramp.settings = view_of(settings, axis_parameters(model));
+  ramp.move_s = verdict.seconds;
+  ramp.longest_phase_s = verdict.longest_phase_s;
+  ramp.swing_microsteps = verdict.swing;
+  if (unit && verdict.swing) ramp.swing = *verdict.swing * *unit;
+  ramp.settled_s = verdict.settled_s;
+  return ramp;
+}
+
 }  // namespace tmcld

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "tmcl/api/axis.hpp"
+#include "tmcl/api/ramp.hpp"
+#include "tmcl/plan/ramp_comparison.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 
 namespace tmcld {
@@ -16,5 +18,9 @@ std::vector<tmcl::api::axis::RampSetting> view_of(const std::vector<tmcl::plan::
 /// Without the axis and its unit. `unit`: how many of it a microstep is; nothing without one.
 tmcl::api::axis::Ramp view_of(const tmcl::plan::PlannedRamp& planned, const tmcl::Model& model,
                               std::optional<double> unit);
+/// One of several; `unit` as above.
+tmcl::api::ramp::ComparedRamp view_of(const std::vector<tmcl::plan::Setting>& settings,
+                                      const tmcl::plan::RampVerdict& verdict,
+                                      const tmcl::Model& model, std::optional<double> unit);
 
 }  // namespace tmcld

@@ -73,6 +73,9 @@ inline const std::vector<MethodCall> all{
     {"axis.get_ramp", y},
     {"axis.plan_ramp", R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s"})"},
     {"axis.set_ramp", R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s"})"},
+    {"ramp.compare",
+     R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s","distance_microsteps":9000,)"
+     R"("resonance_hz":12})"},
     {"axis.home", R"({"axis":"x","mode":1,"timeout_ms":300})", {}, {0}, false, false, true},
     {"axis.start_home", R"({"axis":"x","mode":1})", {}, {0}},
     {"axis.stop_home", R"({"axis":"x"})", {{"axis.start_home", R"({"axis":"x"})"}}, {0}},

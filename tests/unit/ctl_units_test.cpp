@@ -347,7 +347,75 @@ TEST_F(CtlRamp, TellsAllOfItInJson) {
   EXPECT_EQ(json(ramp()).at("written"), true);
 }
 
+TEST_F(CtlRamp, ComparesByOneCall) {
+  target.result = {{"axis", "x"},
+                   {"model", "TMCM-142"},
+                   {"unit", "mm"},
+                   {"distance_microsteps", 10'240},
+                   {"tolerance_microsteps", 10},
+                   {"ramps",
+                    {{{"settings", {{{"parameter", "max_bow"}, {"number", 18}, {"value", 8}}}},
+                      {"move_s", 0.75},
+                      {"longest_phase_s", 0.1},
+                      {"swing_microsteps", 4},
+                      {"swing", 0.004},
+                      {"settled_s", 0.75}},
+                     {{"settings", {{{"parameter", "max_bow"}, {"number", 18}, {"value", 18}}}},
+                      {"move_s", nullptr},
+                      {"longest_phase_s", 0.5},
+                      {"swing_microsteps", nullptr},
+                      {"swing", nullptr},
+                      {"settled_s", nullptr}}}},
+                   {"proposed", 0}};
+  EXPECT_EQ(run(ramp({"--compare", "--distance", "10mm", "--resonance", "12Hz", "--tolerance",
+                      "0.01mm"})),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(target.calls, ElementsAre(R"(ramp.compare {"axis":"x","velocity":"50000pps",)"
+                                        R"("acceleration":"200000pps/s","distance":"10mm",)"
+                                        R"("resonance_hz":1.2E1,"tolerance":"0.01mm"})"));
+  EXPECT_THAT(out, testing::ContainsRegex("max_bow 8 +0.75 +0.1 +0.004 +0.75\n"));
+  EXPECT_THAT(out, testing::ContainsRegex("max_bow 18 +swings for ever +0.5 +- +-\n"));
+  EXPECT_THAT(out, HasSubstr("the load stands first with max_bow 8, after 0.75 s\n"));
+  EXPECT_EQ(json(ramp({"--compare", "--distance", "10mm"})).at("proposed"), 0);
+}
+
+TEST_F(CtlRamp, ComparesOnlyWhatIsSaid) {
+  EXPECT_THAT(refusal(ramp({"--compare"})), HasSubstr("--compare needs --distance"));
+  EXPECT_THAT(refusal(ramp({"--distance", "1mm"})), HasSubstr("--distance needs --compare"));
+  EXPECT_THAT(refusal(ramp({"--resonance", "12Hz"})), HasSubstr("--resonance needs --compare"));
+  EXPECT_THAT(refusal(ramp({"--compare", "--distance", "1mm", "--damping", "0.1"})),
+              HasSubstr("--damping needs --resonance"));
+  EXPECT_THAT(refusal(ramp({"--compare", "--distance", "1mm", "--resonance", "12kHz"})),
+              HasSubstr("'12k' is no number"));
+  EXPECT_THAT(target.calls, IsEmpty());
+}
+
 // ---- without a module
+
+TEST_F(CtlRamp, OfAModelComparesAllBows) {
+  const auto document = json({"ramp", "--model", "TMCM-142", "--screw-pitch", "5", "--velocity",
+                              "20mm/s", "--acceleration", "200mm/s^2", "--compare", "--distance",
+                              "10mm", "--resonance", "12", "--tolerance", "0.01mm"});
+  EXPECT_THAT(target.calls, IsEmpty());
+  const auto& ramps = document.at("ramps").as_array();
+  ASSERT_EQ(ramps.size(), 19U);
+  const auto& proposed = ramps.at(static_cast<std::size_t>(document.at("proposed").as_int64()));
+  for (const auto& other : ramps) {
+    if (other.at("settled_s").is_null()) continue;
+    EXPECT_GE(other.at("settled_s").to_number<double>(),
+              proposed.at("settled_s").to_number<double>());
+  }
+  EXPECT_EQ(json({"ramp", "--model", "TMCM-6212", "--velocity", "50000pps", "--acceleration",
+                  "500000pps/s", "--compare", "--distance", "40000microsteps"})
+                .at("ramps")
+                .as_array()
+                .size(),
+            25U);
+  EXPECT_THAT(refusal({"ramp", "--model", "TMCM-1021", "--velocity", "50000pps", "--acceleration",
+                       "500000pps/s", "--compare", "--distance", "40000microsteps"}),
+              HasSubstr("is not described"));
+}
 
 TEST_F(CtlRamp, OfAModelNeedsNoModule) {
   const auto document = json({"ramp", "--model", "TMCM-142", "--screw-pitch", "5", "--velocity",

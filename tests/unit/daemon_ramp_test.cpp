@@ -1,6 +1,7 @@
 // The ramp of an axis, chosen and set by the gateway.
 #include <gmock/gmock.h>
 
+#include "tmcl/api/ramp.hpp"
 #include "unit/journey_bench.hpp"
 
 namespace tmcld::test {
@@ -248,6 +249,40 @@ TEST_F(DaemonBow, IsNoOtherQuantity) {
   EXPECT_THAT(refusal(with({{"jerk", "11"}})), HasSubstr("11mm/s^3 or 11pps/s^2"));
   EXPECT_THAT(refusal(with({{"jerk", "0pps/s2"}})), HasSubstr("greater than 0"));
   EXPECT_THAT(refusal(with({{"jerk", 5}, {"bow", 7}})), HasSubstr("not both"));
+}
+
+TEST_F(DaemonBow, AllAreComparedByTheLoadThatTheyShake) {
+  const auto done = call(
+      "ramp.compare",
+      with(
+          {{"distance", "10mm"}, {"resonance_hz", 5}, {"damping", 0.05}, {"tolerance", "0.01mm"}}));
+  ASSERT_TRUE(done) << done.error().message;
+  const auto comparison = api::from_json<api::ramp::Comparison>(*done);
+  EXPECT_THAT(written(), IsEmpty());
+  EXPECT_EQ(comparison.unit, "mm");
+  EXPECT_NEAR(comparison.tolerance_microsteps.value(), 0.01 * 51'200 / 5, 1);
+  ASSERT_EQ(comparison.ramps.size(), 19U);
+  const auto best = static_cast<std::size_t>(comparison.proposed.value());
+  const auto& proposed = comparison.ramps[best];
+  EXPECT_EQ(proposed.settings.front().parameter, "max_bow");
+  EXPECT_GT(best, 0U) << "the trapezoid shakes more";
+  EXPECT_LT(proposed.swing.value(), comparison.ramps[0].swing.value());
+  for (const auto& other : comparison.ramps)
+    EXPECT_GE(other.settled_s.value_or(1e9), proposed.settled_s.value());
+  EXPECT_FALSE(comparison.ramps.back().move_s) << "it swings around its target";
+}
+
+TEST_F(DaemonBow, WhatCannotBeComparedIsRefused) {
+  const auto refused = [&](json::object more) {
+    const auto done = call("ramp.compare", with(std::move(more)));
+    return done ? "none" : done.error().name + ": " + done.error().message;
+  };
+  EXPECT_THAT(refused({}), HasSubstr("distance"));
+  EXPECT_THAT(refused({{"distance", "10mm"}, {"resonance_hz", 0}}),
+              HasSubstr("'resonance_hz' is 0.01 to 100000, not 0"));
+  EXPECT_THAT(refused({{"distance", "10mm"}, {"resonance_hz", 12}, {"damping", 1}}),
+              HasSubstr("'damping' is 0 to 0.999, not 1"));
+  EXPECT_THAT(refused({{"distance", "10mm"}}), testing::Eq("none"));
 }
 
 struct DaemonSixpointRamp : DaemonRamp {

@@ -261,6 +261,11 @@ struct Ramp {
   std::string jerk;          ///< Or "max"; empty: the bow is left as it is.
   std::optional<profile::ExportForm> as;
   std::uint8_t motor = 0;  ///< That `as` is for.
+  bool compare = false;    ///< All ramps of the model, for a move and a load:
+  std::string distance;
+  std::optional<double> resonance_hz;
+  std::optional<double> damping;
+  std::string tolerance;  ///< Empty: a thousandth of the distance.
   bool dry_run = false;
   bool internal = false;
 };

@@ -11,9 +11,11 @@
 #include "output/print.hpp"
 #include "profile/ramp_export.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/api/ramp.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
+#include "tmcl/plan/ramp_comparison.hpp"
 #include "tmcl/plan/ramp_registers.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 #include "tmcl/scale_factor.hpp"
@@ -93,6 +95,110 @@ void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
     output.out << fmt::format("{:<18} {}\n", setting.parameter, setting.value);
   output.out << gives_text(verb, ramp) << (verb.dry_run ? "; nothing was written" : "") << '\n';
   warn(ramp.remarks, output);
+}
+
+// ---- all ramps of a model beside each other
+
+using api::ramp::ComparedRamp;
+using api::ramp::Comparison;
+
+/// "max_bow 8"
+std::string settings_text(const ComparedRamp& ramp) {
+  std::string text;
+  for (const auto& setting : ramp.settings)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", setting.parameter, setting.value);
+  return text.empty() ? "as it is" : text;
+}
+
+void show(const Comparison& comparison, Output& output) {
+  if (output.json) return print_json(api::to_json(comparison), output);
+  const bool has_load = comparison.tolerance_microsteps.has_value();
+  const auto unit = comparison.unit.value_or("microsteps");
+  std::vector<std::string> headings{"RAMP", "TIME [s]", "LONGEST PHASE [s]"};
+  if (has_load) headings.insert(headings.end(), {fmt::format("SWINGS [{}]", unit), "SETTLED [s]"});
+  Table table(headings);
+  const auto number = [](std::optional<double> value, const char* none) {
+    return value ? tmcl::plain_number(*value, 5) : std::string(none);
+  };
+  for (const auto& ramp : comparison.ramps) {
+    std::vector<std::string> cells{settings_text(ramp), number(ramp.move_s, "swings for ever"),
+                                   number(ramp.longest_phase_s, "")};
+    if (has_load) {
+      cells.push_back(number(comparison.unit ? ramp.swing : ramp.swing_microsteps, "-"));
+      cells.push_back(number(ramp.settled_s, ramp.move_s ? "never" : "-"));
+    }
+    table.add(std::move(cells));
+  }
+  table.print(output.out);
+  if (!comparison.proposed) {
+    if (has_load) output.out << "with none of them does the load come to rest\n";
+    return;
+  }
+  const auto& best = comparison.ramps.at(static_cast<std::size_t>(*comparison.proposed));
+  output.out << fmt::format("the load stands first with {}, after {} s\n", settings_text(best),
+                            tmcl::plain_number(*best.settled_s, 4));
+}
+
+Result<ExitCode> compare_on_axis(const verb::Ramp& verb, Context& context) {
+  auto method = method_of<api::ramp::Compare>(verb);
+  const auto typed = [&](const std::string& text) { return Typed{text, verb.internal}; };
+  method.distance = typed(verb.distance).amount();
+  method.distance_microsteps = typed(verb.distance).counted();
+  method.resonance_hz = verb.resonance_hz;
+  method.damping = verb.damping;
+  method.tolerance = typed(verb.tolerance).amount();
+  method.tolerance_microsteps = typed(verb.tolerance).counted();
+  const auto comparison = context.call(method);
+  if (!comparison) return tl::unexpected(comparison.error());
+  show(*comparison, context.output);
+  return ExitCode::done;
+}
+
+Result<tmcl::Microsteps> length_of(const std::string& text, const AxisUnits& units) {
+  return typed_quantity(text, units).and_then([](const TypedQuantity& typed) {
+    return attempt(to_microsteps(typed.quantity, typed.units));
+  });
+}
+
+/// `unit`: how many of it a microstep is.
+Result<Comparison> compared(const verb::Ramp& verb, const plan::PlannedRamp& planned,
+                            const AxisUnits& units, std::optional<double> unit) {
+  constexpr double part_of_the_way = 1e-3;
+  constexpr double usual_damping = 0.05;
+  const auto distance = length_of(verb.distance, units);
+  if (!distance) return tl::unexpected(distance.error());
+  std::optional<plan::LoadWish> load;
+  if (verb.resonance_hz) {
+    load = {{*verb.resonance_hz, verb.damping.value_or(usual_damping)},
+            part_of_the_way * std::abs(static_cast<double>(distance->value))};
+  }
+  if (load && !verb.tolerance.empty()) {
+    const auto tolerance = length_of(verb.tolerance, units);
+    if (!tolerance) return tl::unexpected(tolerance.error());
+    load->tolerance = std::abs(static_cast<double>(tolerance->value));
+  }
+  const auto& model = *units.model;
+  const auto& settings = planned.choice.settings;
+  Comparison comparison{{}, std::string(model.name)};
+  if (unit) comparison.unit = units.scale->unit;
+  comparison.distance_microsteps = distance->value;
+  if (load) comparison.tolerance_microsteps = load->tolerance;
+  std::vector<plan::RampVerdict> verdicts;
+  for (const auto& variant : plan::ramp_variants(model, settings)) {
+    auto all = settings;
+    all.insert(all.end(), variant.begin(), variant.end());
+    const auto move = plan::follow_move(model, all, *distance);
+    if (!move) {
+      return tl::unexpected(usage_error(
+          "not_foreseeable", fmt::format("how a {} makes a move by {} microsteps is not described",
+                                         model.name, distance->value)));
+    }
+    verdicts.push_back(plan::judge(*move, load));
+    comparison.ramps.push_back(tmcld::view_of(variant, verdicts.back(), model, unit));
+  }
+  if (const auto first = plan::first_settled(verdicts))
+    comparison.proposed = static_cast<std::int32_t>(*first);
+  return comparison;
 }
 
 // ---- on an axis that need not be there
@@ -277,6 +383,12 @@ Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
   if (!planned) return tl::unexpected(error_from(planned.error().error));
   std::optional<double> unit;
   if (units->has_unit()) unit = 1 / std::abs(tmcl::microsteps_per_unit(*units->scale));
+  if (verb.compare) {
+    const auto comparison = compared(verb, *planned, *units, unit);
+    if (!comparison) return tl::unexpected(comparison.error());
+    show(*comparison, output);
+    return ExitCode::done;
+  }
   auto ramp = tmcld::view_of(*planned, *units->model, unit);
   if (unit) ramp.unit = units->scale->unit;
   if (verb.as)
@@ -286,11 +398,32 @@ Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
 }
 
 Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
+  if (verb.compare) return compare_on_axis(verb, context);
   const auto ramp = verb.dry_run ? context.call(method_of<api::axis::PlanRamp>(verb))
                                  : context.call(method_of<api::axis::SetRamp>(verb));
   if (!ramp) return tl::unexpected(ramp.error());
   show(verb, *ramp, context.output);
   return ExitCode::done;
+}
+
+Reading read_resonance(std::string text, std::optional<double>& into) {
+  constexpr double least = 0.01;
+  constexpr double greatest = 1e5;
+  if (text.ends_with("Hz")) text.resize(text.size() - 2);
+  return parse_number<double>(text, least, greatest).map([&](double hertz) { into = hertz; });
+}
+
+std::string conflict_in(const verb::Ramp& said, bool json) {
+  if (said.as && !said.offline.is_meant()) return "--as needs --model";
+  if (said.as && json) return "--as and --json exclude each other";
+  if (said.as && said.compare) return "--as and --compare exclude each other";
+  if (said.compare && said.distance.empty()) return "--compare needs --distance";
+  if (!said.distance.empty() && !said.compare) return "--distance needs --compare";
+  if (said.resonance_hz && !said.compare) return "--resonance needs --compare";
+  if (said.damping && !said.resonance_hz) return "--damping needs --resonance";
+  if (!said.tolerance.empty() && !said.resonance_hz) return "--tolerance needs --resonance";
+  if (said.axis.empty() == !said.offline.is_meant()) return "name an axis, or say --model MODEL";
+  return objection_to(said.offline);
 }
 
 constexpr const char* ramp_help = R"(
@@ -319,6 +452,13 @@ are lines and a program that 'tmclctl program' assembles, c is a table of the ch
   tmclctl ramp --model TMCM-142 --screw-pitch 5 --velocity 20mm/s --acceleration 500mm/s^2 --jerk max
   tmclctl ramp --model TMCM-142 --velocity 20rps --acceleration 50rps/s --as sap --motor 0
   tmclctl ramp --model TMCM-6212 --units-per-revolution 360 --unit deg --velocity 90deg/s --acceleration 2rps/s
+
+--compare sets nothing: it shows what all bows of a TMC457 or a TMC4361, or sets of A1, V1 and D1 on a
+sixPoint chip, make of a move: its time and its longest phase. With --resonance a load swings behind
+the motor; then it shows how far that still swings when the motor has arrived, when it swings by no
+more than --tolerance, and with which ramp that is first.
+
+  tmclctl ramp --model TMCM-142 --screw-pitch 5 --velocity 20mm/s --acceleration 200mm/s^2 --compare --distance 10mm --resonance 12Hz --tolerance 0.01mm
 )";
 
 }  // namespace
@@ -343,15 +483,22 @@ void add_ramp(Grammar& grammar) {
               [&typed](const std::string& text) { return read_form(text, typed.as); });
   ramp.option("--motor", "N", "With --as sap and tmc: of the module (default 0)",
               number(ramp->motor, 0, 255));
+  ramp.flag("--compare", "Show all bows, or sets of A1, V1 and D1, for a move; nothing is set",
+            ramp->compare);
+  ramp.option("--distance", "DISTANCE", "With --compare: of the move, such as 10mm",
+              text(ramp->distance));
+  ramp.option(
+      "--resonance", "HZ", "With --compare: follow a load that swings so behind the motor",
+      [&typed](const std::string& text) { return read_resonance(text, typed.resonance_hz); });
+  ramp.option("--damping", "D", "Of its swings: 0 to less than 1 (default 0.05)",
+              number(ramp->damping, 0, 0.999));
+  ramp.option("--tolerance", "DISTANCE",
+              "Within which the load is to stand (default: a thousandth of the move)",
+              text(ramp->tolerance));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
   ramp.internal(ramp->internal);
   ramp.alone([](const verb::Ramp& said) { return said.offline.is_meant(); }, run_on_model);
-  ramp.object([](const verb::Ramp& said, bool json) -> std::string {
-    if (said.as && !said.offline.is_meant()) return "--as needs --model";
-    if (said.as && json) return "--as and --json exclude each other";
-    if (said.axis.empty() == !said.offline.is_meant()) return "name an axis, or say --model MODEL";
-    return objection_to(said.offline);
-  });
+  ramp.object(conflict_in);
 }
 
 }  // namespace tmclctl

@@ -1,0 +1,11 @@
+/// What the methods do that choose among ramps.
+#pragma once
+
+#include "api/handlers.hpp"
+#include "tmcl/api/ramp.hpp"
+
+namespace tmcld::handlers {
+
+Answer<api::ramp::Compare> compare_ramps(Call& call, const api::ramp::Compare& params);
+
+}  // namespace tmcld::handlers

@@ -1,0 +1,47 @@
+/// The methods that choose among the ramps of an axis.
+#pragma once
+
+#include "tmcl/api/axis.hpp"
+
+namespace tmcl::api::ramp {
+
+struct ComparedRamp {
+  TMCL_STRUCT(ComparedRamp);
+  TMCL_FIELD(std::vector<axis::RampSetting>, settings,
+             "what makes it, beside the velocity and the accelerations that all have");
+  TMCL_FIELD(std::optional<double>, move_s,
+             "how long the move takes; null where it does not come to rest on its target");
+  TMCL_FIELD(double, longest_phase_s, "the longest part of it in which the speed changes one way");
+  TMCL_FIELD(std::optional<double>, swing_microsteps,
+             "how far the load swings to either side when the motor has arrived; null without one");
+  TMCL_FIELD(std::optional<double>, swing, "the same in the unit");
+  TMCL_FIELD(std::optional<double>, settled_s,
+             "when the load swings by no more than the tolerance; null if it never does");
+};
+struct Comparison {
+  TMCL_STRUCT(Comparison);
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+  TMCL_FIELD(std::string, model, "model of its module");
+  TMCL_FIELD(std::optional<std::string>, unit, axis::unit_summary);
+  TMCL_FIELD(std::int32_t, distance_microsteps, "how far the move goes");
+  TMCL_FIELD(std::optional<double>, tolerance_microsteps,
+             "within which the load is to stand; null without a load");
+  TMCL_FIELD(std::vector<ComparedRamp>, ramps, "the steepest first");
+  TMCL_FIELD(std::optional<std::int32_t>, proposed,
+             "which of them, from 0 on, has its load stand first; null without a load");
+};
+struct Compare : axis::OfRamp {
+  TMCL_METHOD("ramp.compare", reads, Comparison,
+              "what the ramps of an axis that stands make of a move and of a load that swings",
+              Compare, axis::OfRamp);
+  TMCL_FIELD(std::optional<std::int32_t>, distance_microsteps, "how far the move goes");
+  TMCL_FIELD(std::optional<Amount>, distance, axis::in_unit_summary);
+  TMCL_FIELD(std::optional<double>, resonance_hz,
+             "how fast the load swings behind the motor, 0.01 to 100000; no load if absent");
+  TMCL_FIELD(std::optional<double>, damping, "of its swings, 0 to 0.999; 0.05 if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, tolerance_microsteps,
+             "within which the load is to stand; a thousandth of the distance if absent");
+  TMCL_FIELD(std::optional<Amount>, tolerance, axis::in_unit_summary);
+};
+
+}  // namespace tmcl::api::ramp
