@@ -44,6 +44,7 @@ EFFECTS: Mapping[str, str] = {
     "axis.get_ramp": "reads",
     "axis.plan_ramp": "reads",
     "axis.set_ramp": "writes",
+    "ramp.compare": "reads",
     "axis.home": "moves",
     "axis.start_home": "moves",
     "axis.stop_home": "stops",
@@ -535,6 +536,26 @@ class PathPlanCurve(Record):
 
 
 @dataclass(frozen=True)
+class PathPlanExpected(Record):
+    #: velocity, segments or position
+    mode: str = ""
+    #: how far from the path the axes get, in the unit of the file
+    off_path: float = 0.0
+    #: when they are so far off, in seconds of the course
+    off_path_at_s: float = 0.0
+    #: where each axis is then
+    off_path_at: tuple[float, ...] = ()
+    #: how late on the path they get
+    lag_s: float = 0.0
+    #: how much of the course was looked at; a long one is not, as a whole
+    foreseen_s: float = 0.0
+    #: whether off_path stays within the tolerance
+    keeps_tolerance: bool = False
+    #: why the path cannot be passed in this mode, or would be ended; null if it can
+    refused: str | None = None
+
+
+@dataclass(frozen=True)
 class PathPlan(Record):
     #: by which path.run runs it, once; the daemon keeps the last one
     plan: int = 0
@@ -544,9 +565,12 @@ class PathPlan(Record):
     course: PathPlanCourse = field(default_factory=lambda: PathPlanCourse())
     #: to draw it; null unless points are asked for
     curve: PathPlanCurve | None = None
+    #: what is expected in each mode, the one that was asked for first; empty where the ramps
+    #: of an axis are not described
+    expected: tuple[PathPlanExpected, ...] = ()
     #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve}
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve, "expected": PathPlanExpected}
 
 
 @dataclass(frozen=True)
@@ -584,6 +608,10 @@ class PathRun(Record):
     #: how far from the path the axes were seen at most, in the unit of the file; between two
     #: readings they may have been farther off
     off_path: float = 0.0
+    #: when that was, in seconds of the course
+    off_path_at_s: float = 0.0
+    #: where each axis was then
+    off_path_at: tuple[float, ...] = ()
     #: how late on the path they were seen at most
     lag_s: float = 0.0
     #: by how much off_path is more than the tolerance, at least; null if it is not
@@ -687,6 +715,42 @@ class AxisPlanRamp(Record):
     #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
+
+
+@dataclass(frozen=True)
+class RampCompareRamps(Record):
+    #: what makes it, beside the velocity and the accelerations that all have
+    settings: tuple[AxisGetRampSettings, ...] = ()
+    #: how long the move takes; null where it does not come to rest on its target
+    move_s: float | None = None
+    #: the longest part of it in which the speed changes one way
+    longest_phase_s: float = 0.0
+    #: how far the load swings to either side when the motor has arrived; null without one
+    swing_microsteps: float | None = None
+    #: the same in the unit
+    swing: float | None = None
+    #: when the load swings by no more than the tolerance; null if it never does
+    settled_s: float | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
+
+
+@dataclass(frozen=True)
+class RampCompare(Record):
+    #: name of the axis
+    axis: str = ""
+    #: model of its module
+    model: str = ""
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: how far the move goes
+    distance_microsteps: int = 0
+    #: within which the load is to stand; null without a load
+    tolerance_microsteps: float | None = None
+    #: the steepest first
+    ramps: tuple[RampCompareRamps, ...] = ()
+    #: which of them, from 0 on, has its load stand first; null without a load
+    proposed: int | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"ramps": RampCompareRamps}
 
 
 @dataclass(frozen=True)
@@ -1515,6 +1579,29 @@ class Methods:
     ) -> AxisPlanRamp:
         """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
         return AxisPlanRamp.of(self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
+
+    def ramp_compare(
+        self,
+        axis: str,
+        *,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        acceleration: float | str | None = None,
+        acceleration_internal: int | None = None,
+        deceleration: float | str | None = None,
+        deceleration_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
+        tolerance_microsteps: int | None = None,
+        tolerance: float | str | None = None,
+    ) -> RampCompare:
+        """`ramp.compare` what the ramps of an axis that stands make of a move and of a load that
+        swings."""
+        return RampCompare.of(self._call("ramp.compare", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow, "distance_microsteps": distance_microsteps, "distance": distance, "resonance_hz": resonance_hz, "damping": damping, "tolerance_microsteps": tolerance_microsteps, "tolerance": tolerance}))
 
     def axis_home(
         self,
@@ -2346,6 +2433,29 @@ class AsyncMethods:
     ) -> AxisPlanRamp:
         """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
         return AxisPlanRamp.of(await self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
+
+    async def ramp_compare(
+        self,
+        axis: str,
+        *,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        acceleration: float | str | None = None,
+        acceleration_internal: int | None = None,
+        deceleration: float | str | None = None,
+        deceleration_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
+        tolerance_microsteps: int | None = None,
+        tolerance: float | str | None = None,
+    ) -> RampCompare:
+        """`ramp.compare` what the ramps of an axis that stands make of a move and of a load that
+        swings."""
+        return RampCompare.of(await self._call("ramp.compare", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow, "distance_microsteps": distance_microsteps, "distance": distance, "resonance_hz": resonance_hz, "damping": damping, "tolerance_microsteps": tolerance_microsteps, "tolerance": tolerance}))
 
     async def axis_home(
         self,

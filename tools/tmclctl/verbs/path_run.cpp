@@ -279,7 +279,8 @@ void add_path_run(Grammar& grammar, const Form& group) {
           said.period = std::chrono::milliseconds(value);
         });
       });
-  form.flag("--dry-run", "Plan and check everything; move nothing", form->dry_run);
+  form.flag("--dry-run", "Plan and check everything, say what each mode will keep; move nothing",
+            form->dry_run);
 }
 
 }  // namespace tmclctl
