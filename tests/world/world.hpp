@@ -321,7 +321,7 @@ class World {
     return std::move(*request);
   }
 
-  /// No two clients ask for the same: of two at once nobody could tell which was sent.
+  /// No two clients ask for the same: of two at once the ledger could not tell which was sent.
   static std::int32_t of_client(std::int64_t value, int client) {
     constexpr int most_clients = 8;
     return static_cast<std::int32_t>(value - value % most_clients + client);
