@@ -206,15 +206,14 @@ Task<double> number_within(std::string_view param, double value, double least, d
 /// What swings behind the motor; nothing if no resonance was said.
 Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& params,
                                             double distance) {
-  constexpr double usual_damping = 0.05;
-  constexpr double part_of_the_way = 1e-3;
   if (!params.resonance_hz) co_return std::nullopt;
   plan::LoadWish load;
   load.resonance.frequency_hz = co_await must(
       number_within(api::name_of<&Compare::resonance_hz>(), *params.resonance_hz, 0.01, 1e5));
-  load.resonance.damping = co_await must(number_within(
-      api::name_of<&Compare::damping>(), params.damping.value_or(usual_damping), 0, 0.999));
-  load.tolerance = part_of_the_way * distance;
+  load.resonance.damping =
+      co_await must(number_within(api::name_of<&Compare::damping>(),
+                                  params.damping.value_or(plan::usual_load_damping), 0, 0.999));
+  load.tolerance = plan::usual_load_tolerance * distance;
   if (params.tolerance || params.tolerance_microsteps) {
     const auto said = co_await must(length_of(
         axis, raw_or_quantity<&Compare::tolerance_microsteps, &Compare::tolerance>(params),
@@ -251,15 +250,13 @@ Answer<api::ramp::Compare> compare_ramps(Call& call, const api::ramp::Compare& p
   if (load) comparison.tolerance_microsteps = load->tolerance;
   std::vector<plan::RampVerdict> verdicts;
   for (const auto& variant : plan::ramp_variants(model, settings)) {
-    auto all = settings;
-    all.insert(all.end(), variant.begin(), variant.end());
-    const auto move = plan::follow_move(model, all, distance);
-    if (!move) {
+    const auto verdict = plan::judge_variant(model, settings, variant, distance, load);
+    if (!verdict) {
       co_return param_error<&Compare::distance>(
           "out_of_range", fmt::format("a {} makes no move by {} microsteps with such a ramp",
                                       model.name, distance.value));
     }
-    verdicts.push_back(plan::judge(*move, load));
+    verdicts.push_back(*verdict);
     comparison.ramps.push_back(tmcld::view_of(variant, verdicts.back(), model, unit));
     // Others go on meanwhile: each takes well below a millisecond.
     co_await rest({});

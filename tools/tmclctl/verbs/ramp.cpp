@@ -163,14 +163,12 @@ Result<tmcl::Microsteps> length_of(const std::string& text, const AxisUnits& uni
 /// `unit`: how many of it a microstep is.
 Result<Comparison> compared(const verb::Ramp& verb, const plan::PlannedRamp& planned,
                             const AxisUnits& units, std::optional<double> unit) {
-  constexpr double part_of_the_way = 1e-3;
-  constexpr double usual_damping = 0.05;
   const auto distance = length_of(verb.distance, units);
   if (!distance) return tl::unexpected(distance.error());
   std::optional<plan::LoadWish> load;
   if (verb.resonance_hz) {
-    load = {{*verb.resonance_hz, verb.damping.value_or(usual_damping)},
-            part_of_the_way * std::abs(static_cast<double>(distance->value))};
+    load = {{*verb.resonance_hz, verb.damping.value_or(plan::usual_load_damping)},
+            plan::usual_load_tolerance * std::abs(static_cast<double>(distance->value))};
   }
   if (load && !verb.tolerance.empty()) {
     const auto tolerance = length_of(verb.tolerance, units);
@@ -185,15 +183,13 @@ Result<Comparison> compared(const verb::Ramp& verb, const plan::PlannedRamp& pla
   if (load) comparison.tolerance_microsteps = load->tolerance;
   std::vector<plan::RampVerdict> verdicts;
   for (const auto& variant : plan::ramp_variants(model, settings)) {
-    auto all = settings;
-    all.insert(all.end(), variant.begin(), variant.end());
-    const auto move = plan::follow_move(model, all, *distance);
-    if (!move) {
+    const auto verdict = plan::judge_variant(model, settings, variant, *distance, load);
+    if (!verdict) {
       return tl::unexpected(usage_error(
           "not_foreseeable", fmt::format("how a {} makes a move by {} microsteps is not described",
                                          model.name, distance->value)));
     }
-    verdicts.push_back(plan::judge(*move, load));
+    verdicts.push_back(*verdict);
     comparison.ramps.push_back(tmcld::view_of(variant, verdicts.back(), model, unit));
   }
   if (const auto first = plan::first_settled(verdicts))

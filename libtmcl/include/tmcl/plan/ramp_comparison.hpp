@@ -47,6 +47,9 @@ struct LoadWish {
   Resonance resonance;
   double tolerance = 0;  ///< Within which the load is to stand, in microsteps.
 };
+constexpr double usual_load_damping = 0.05;
+/// What part of a move its load may swing by, unless something else is said.
+constexpr double usual_load_tolerance = 1e-3;
 
 struct RampVerdict {
   std::optional<double> seconds;  ///< Nothing if it swings around its target.
@@ -58,6 +61,11 @@ struct RampVerdict {
 
 /// `load`: nothing without one.
 RampVerdict judge(const FollowedMove& move, const std::optional<LoadWish>& load);
+
+/// Of a move with `settings`, then one of their variants; nothing where follow_move() gives none.
+std::optional<RampVerdict> judge_variant(const Model& model, std::vector<Setting> settings,
+                                         std::span<const Setting> variant, Microsteps distance,
+                                         const std::optional<LoadWish>& load);
 
 /// The one whose load stands first; of equal ones the first. Nothing if no load does.
 std::optional<std::size_t> first_settled(std::span<const RampVerdict> verdicts);

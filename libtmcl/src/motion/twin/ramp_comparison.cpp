@@ -254,6 +254,14 @@ RampVerdict judge(const FollowedMove& move, const std::optional<LoadWish>& load)
   return verdict;
 }
 
+std::optional<RampVerdict> judge_variant(const Model& model, std::vector<Setting> settings,
+                                         std::span<const Setting> variant, Microsteps distance,
+                                         const std::optional<LoadWish>& load) {
+  settings.insert(settings.end(), variant.begin(), variant.end());
+  const auto move = follow_move(model, settings, distance);
+  return move ? std::optional(judge(*move, load)) : std::nullopt;
+}
+
 std::optional<std::size_t> first_settled(std::span<const RampVerdict> verdicts) {
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
