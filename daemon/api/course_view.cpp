@@ -9,11 +9,11 @@ namespace {
 
 constexpr std::size_t most_corners = 5;
 
+}  // namespace
+
 std::vector<double> to_list(const tmcl::plan::AxisValues& values, std::size_t axes) {
   return {values.begin(), values.begin() + static_cast<std::ptrdiff_t>(axes)};
 }
-
-}  // namespace
 
 path::Course view_of(const Course& course, const std::vector<std::string>& names) {
   path::Course view{course.length(), course.duration(), course.legs()};

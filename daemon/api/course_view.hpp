@@ -9,6 +9,8 @@
 
 namespace tmcld {
 
+/// Of so many axes.
+std::vector<double> to_list(const tmcl::plan::AxisValues& values, std::size_t axes);
 /// `axes` are those of the file, in the order of the course.
 tmcl::api::path::Course view_of(const tmcl::plan::Course& course,
                                 const std::vector<std::string>& axes);

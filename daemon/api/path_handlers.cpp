@@ -317,8 +317,7 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
   }
   passage.off_path = report.largest_off;
   passage.off_path_at_s = report.largest_off_at_s;
-  const auto& at = report.largest_off_at;
-  passage.off_path_at.assign(at.begin(), at.begin() + std::ssize(names));
+  passage.off_path_at = to_list(report.largest_off_at, names.size());
   passage.lag_s = report.largest_lag_s;
   if (report.largest_off > tolerance)
     passage.tolerance_exceeded_by = report.largest_off - tolerance;

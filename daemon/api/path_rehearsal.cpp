@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "api/course_view.hpp"
 #include "tmcl/plain_number.hpp"
 
 namespace tmcld {
@@ -24,8 +25,7 @@ Expected told(const plan::Rehearsal& rehearsal, StreamMode mode, std::size_t axe
   if (rehearsal.fault) expected.refused = rehearsal.fault->message;
   expected.off_path = rehearsal.farthest;
   expected.off_path_at_s = rehearsal.at_s;
-  const auto& at = rehearsal.position;
-  expected.off_path_at.assign(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(axes));
+  expected.off_path_at = to_list(rehearsal.position, axes);
   expected.lag_s = rehearsal.lag_s;
   expected.foreseen_s = rehearsal.passed_s;
   expected.keeps_tolerance = !rehearsal.fault && rehearsal.farthest <= tolerance;

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "api/path_rehearsal.hpp"
 #include "unit/journey_bench.hpp"
 
 namespace tmcld::test {
@@ -90,6 +91,28 @@ TEST_F(DaemonPathPlan, AModeThatLeavesThePathIsWarnedOfBeforeItIsRun) {
   EXPECT_FALSE(planned.at("expected").at(0).at("keeps_tolerance").as_bool());
   EXPECT_THAT(json::serialize(planned.at("warnings")),
               HasSubstr("mode velocity is expected to leave the path by"));
+}
+
+TEST(PathWarning, NamesAModeThatKeepsTheToleranceIfThereIsOne) {
+  const auto mode = [](std::string name, double off, bool kept) {
+    tmcl::api::path::Expected expected;
+    expected.mode = std::move(name);
+    expected.off_path = off;
+    expected.off_path_at_s = 2.5;
+    expected.keeps_tolerance = kept;
+    return expected;
+  };
+  const auto good = mode("velocity", 0.01, true), bad = mode("segments", 0.2, false);
+  auto refused = mode("position", 0, false);
+  refused.refused = "line 1 is too short";
+  EXPECT_EQ(warning_of({}, 0.05), "");
+  EXPECT_EQ(warning_of({good, bad}, 0.05), "");
+  EXPECT_EQ(warning_of({bad, good}, 0.05),
+            "mode segments is expected to leave the path by 0.2 at 2.5 s, more than the tolerance "
+            "of 0.05; mode velocity is expected to stay within 0.01");
+  EXPECT_EQ(warning_of({refused, bad}, 0.05),
+            "mode position cannot pass this path: line 1 is too short; a lower velocity, "
+            "acceleration or corner_jump keeps nearer to the path");
 }
 
 // A right angle at 20 mm/s.
