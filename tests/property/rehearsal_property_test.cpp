@@ -16,8 +16,8 @@ namespace {
 
 using std::chrono::microseconds;
 
-// In mm: what a command less in a tick, or one more, makes of a corner. Of 6,000 paths, the
-// farthest were 0.006 more, and 0.009 less.
+// In mm. A module takes a command at another point of its ramp tick than the twin. In 6,000 paths
+// the axes got at most 0.006 farther off than foreseen, and 0.009 less far.
 constexpr double may_be_farther = 0.008;
 constexpr double may_be_nearer = 0.012;
 
@@ -70,6 +70,21 @@ TEST(RehearsalProperty, ForeseesHowFarOffThePathAxesGet) {
     EXPECT_LT(farthest, foreseen.farthest + may_be_farther);
     EXPECT_GT(farthest, foreseen.farthest - may_be_nearer);
     if (HasFailure()) return;
+  }
+}
+
+// With a look every millisecond this takes minutes.
+TEST(Rehearsal, OfALongPathTakesNoLonger) {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  path.axes.resize(2);
+  path.elements.push_back(path_file::LineTo{{5, 5}, 10, {}, 1});
+  path.elements.push_back(path_file::Dwell{1e6, 2});
+  path.elements.push_back(path_file::LineTo{{100, 5}, 0.005, {}, 3});
+  test::StreamBench bench;
+  for (const auto mode : {StreamMode::segments, StreamMode::position}) {
+    const auto foreseen = bench.rehearse(path, mode);
+    EXPECT_FALSE(foreseen.fault);
+    EXPECT_GT(foreseen.passed_s, 0.4);
   }
 }
 

@@ -547,7 +547,7 @@ class PathPlanExpected(Record):
     off_path_at: tuple[float, ...] = ()
     #: how late on the path they get
     lag_s: float = 0.0
-    #: how much of the course was looked at; a long one is not, as a whole
+    #: how much of the course was foreseen; of a long one only the beginning
     foreseen_s: float = 0.0
     #: whether off_path stays within the tolerance
     keeps_tolerance: bool = False

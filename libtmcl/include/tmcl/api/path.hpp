@@ -169,7 +169,7 @@ struct Expected {
   TMCL_FIELD(std::vector<double>, off_path_at, "where each axis is then");
   TMCL_FIELD(double, lag_s, "how late on the path they get");
   TMCL_FIELD(double, foreseen_s,
-             "how much of the course was looked at; a long one is not, as a whole");
+             "how much of the course was foreseen; of a long one only the beginning");
   TMCL_FIELD(bool, keeps_tolerance, "whether off_path stays within the tolerance");
   TMCL_FIELD(std::optional<std::string>, refused,
              "why the path cannot be passed in this mode, or would be ended; null if it can");

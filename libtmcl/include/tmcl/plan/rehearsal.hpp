@@ -25,11 +25,11 @@ struct RehearsedAxis {
 };
 
 struct Rehearsal {
-  double farthest = 0;                ///< From the path, in units, as looked at every millisecond.
-  double at_s = 0;                    ///< When, in seconds of the course.
-  AxisValues position{};              ///< Where the axes were then.
-  double lag_s = 0;                   ///< How late they were on the path at most.
-  double passed_s = 0;                ///< How much of the course was passed.
+  double farthest = 0;    ///< From the path, in units: every millisecond, or 20,000 looks in all.
+  double at_s = 0;        ///< When, in seconds of the course.
+  AxisValues position{};  ///< Where the axes were then.
+  double lag_s = 0;       ///< How late they were on the path at most.
+  double passed_s = 0;    ///< How much of the course was passed.
   std::optional<DriveFault> fault{};  ///< Why it cannot be run, or would be ended.
 };
 

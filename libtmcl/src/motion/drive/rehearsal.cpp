@@ -15,7 +15,14 @@ namespace {
 namespace ap = axis_parameter;
 using Kind = DriveCommand::Kind;
 
-constexpr Duration look_interval = std::chrono::milliseconds(1);
+// Each look seeks the nearest point of the path. A long path is not looked at more often than a
+// short one, and not at all while its axes rest on their targets.
+constexpr Duration shortest_look_interval = std::chrono::milliseconds(1);
+constexpr double most_looks = 20'000;
+
+Duration look_interval_for(const Course& course) {
+  return std::max(shortest_look_interval, duration(course.duration() / most_looks));
+}
 
 /// What a module with this axis does with the commands of a stream.
 class Understudy {
@@ -49,6 +56,9 @@ class Understudy {
     raw_ = raw;
   }
   double position() const { return static_cast<double>(position_); }
+  bool rests_on_target() const {
+    return !velocity_ && position_ == target_ && twin_.motion().velocity.value == 0;
+  }
 
  private:
   // The counter of a TMC429 has 24 bits.
@@ -103,7 +113,9 @@ class Rehearsing {
  public:
   Rehearsing(const Course& course, std::vector<RehearsedAxis> axes, const StreamOptions& options,
              Duration command)
-      : course_(course), command_(std::max(command, Duration(1))) {
+      : course_(course),
+        command_(std::max(command, Duration(1))),
+        look_interval_(look_interval_for(course)) {
     const auto start = course.at(0).position;
     for (auto& axis : axes) {
       const auto number = scales_.size();
@@ -123,6 +135,8 @@ class Rehearsing {
       if (const auto* given = std::get_if<DriveCommands>(&step)) commands += carry_out(*given);
     }
     const auto& report = stream_->report();
+    if (report.largest_off > made_.farthest)
+      note(report.largest_off, report.largest_off_at_s, report.largest_off_at);
     made_.lag_s = report.largest_lag_s;
     made_.fault = report.fault;
     made_.passed_s = stream_->passed();
@@ -143,12 +157,15 @@ class Rehearsing {
 
   void let_pass(Duration time) {
     for (time = std::max(time, Duration(1)); time > Duration::zero();) {
+      // Nothing moves before the next command.
+      if (std::ranges::all_of(understudies_, &Understudy::rests_on_target))
+        next_look_ = now_ + time;
       const auto step = std::min(time, next_look_ - now_);
       for (auto& understudy : understudies_) understudy.advance(step);
       now_ += step;
       time -= step;
       if (now_ < next_look_) continue;
-      next_look_ = now_ + look_interval;
+      next_look_ = now_ + look_interval_;
       look();
     }
   }
@@ -159,20 +176,23 @@ class Rehearsing {
     for (std::size_t axis = 0; axis < understudies_.size(); ++axis)
       position[axis] = understudies_[axis].position() / scales_[axis];
     const double off = place_on_path(course_, stream_->passed(), position, made_.farthest).off;
-    if (off <= made_.farthest) return;
+    if (off > made_.farthest) note(off, stream_->passed(), position);
+  }
+  void note(double off, double at_s, const AxisValues& position) {
     made_.farthest = off;
-    made_.at_s = stream_->passed();
+    made_.at_s = at_s;
     made_.position = position;
   }
 
   const Course& course_;
   const Duration command_;
+  const Duration look_interval_;
   std::vector<double> scales_;
   std::vector<StreamAxis> stream_axes_;
   std::vector<Understudy> understudies_;
   std::optional<PathStream> stream_;
   TimePoint now_{};
-  TimePoint next_look_{look_interval};
+  TimePoint next_look_{look_interval_};
   Rehearsal made_;
 };
 
