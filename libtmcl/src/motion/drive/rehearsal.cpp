@@ -13,7 +13,6 @@ namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
-using Kind = DriveCommand::Kind;
 
 // Each look seeks the nearest point of the path. A long path is not looked at more often than a
 // short one, and not at all while its axes rest on their targets.
@@ -37,6 +36,7 @@ class Understudy {
   }
 
   Result<std::int32_t> carry_out(const DriveCommand& command) {
+    using Kind = DriveCommand::Kind;
     switch (command.kind) {
       case Kind::get: return get(command.parameter);
       case Kind::set: set({command.parameter, command.value}); break;
