@@ -16,7 +16,7 @@
 namespace tmcl::plan {
 
 /// A rehearsal ends after so many commands; what comes after them is not foreseen.
-constexpr std::size_t most_rehearsed_commands = 200'000;
+constexpr std::size_t most_rehearsed_commands = 50'000;
 
 struct RehearsedAxis {
   StreamAxis axis;

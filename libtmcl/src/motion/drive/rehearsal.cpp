@@ -135,8 +135,6 @@ class Rehearsing {
       if (const auto* given = std::get_if<DriveCommands>(&step)) commands += carry_out(*given);
     }
     const auto& report = stream_->report();
-    if (report.largest_off > made_.farthest)
-      note(report.largest_off, report.largest_off_at_s, report.largest_off_at);
     made_.lag_s = report.largest_lag_s;
     made_.fault = report.fault;
     made_.passed_s = stream_->passed();
@@ -176,11 +174,9 @@ class Rehearsing {
     for (std::size_t axis = 0; axis < understudies_.size(); ++axis)
       position[axis] = understudies_[axis].position() / scales_[axis];
     const double off = place_on_path(course_, stream_->passed(), position, made_.farthest).off;
-    if (off > made_.farthest) note(off, stream_->passed(), position);
-  }
-  void note(double off, double at_s, const AxisValues& position) {
+    if (off <= made_.farthest) return;
     made_.farthest = off;
-    made_.at_s = at_s;
+    made_.at_s = stream_->passed();
     made_.position = position;
   }
 
