@@ -122,9 +122,11 @@ class Sweep {
     for (const auto* name : {"bench", "other"})
       other.call("token.revoke", R"({"name":")" + std::string(name) + R"("})");
     auto& gateway = bench_->daemon().gateway();
+    // A plan goes on to its end, also if its client was cut off.
     const auto is_quiet = [&] {
-      return !bench_->moves() && !gateway.has_journeys() && gateway.stops_in_progress == 0 &&
-             gateway.uploads.empty() && gateway.buses().front()->queued() == 0;
+      return gateway.planning.taken() == 0 && !bench_->moves() && !gateway.has_journeys() &&
+             gateway.stops_in_progress == 0 && gateway.uploads.empty() &&
+             gateway.buses().front()->queued() == 0;
     };
     EXPECT_TRUE(bench_->run_until(is_quiet, 30s))
         << "moves: " << bench_->moves() << ", stops: " << gateway.stops_in_progress
