@@ -8,7 +8,7 @@ _tmclctl_words() {
 
 # Whether a verb must follow.
 _tmclctl_is_group() {
-  [[ " '' profile mint path program coordinate global firmware lease deadman token " == *" ${1:-''} "* ]]
+  [[ " '' profile mint path program coordinate global firmware lease deadman token settings " == *" ${1:-''} "* ]]
 }
 
 _tmclctl() {
@@ -120,7 +120,7 @@ _tmclctl() {
       raw:1) words=$(_tmclctl_words commands) ;;
       "program assemble":0 | "program disassemble":0 | "program upload":0 | "program verify":0) compopt -o default ;;
       "firmware info":0 | "firmware check":0 | "firmware upload":0 | "mint check":0 | "mint run":0 | \
-        "path check":0 | "path run":0) compopt -o default ;;
+        "path check":0 | "path run":0 | "settings load":0 | "settings diff":*) compopt -o default ;;
       "profile solve":*)
         # The number behind the = cannot be known.
         [[ $current == = || $previous == = ]] && return

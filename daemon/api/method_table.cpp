@@ -4,6 +4,7 @@
 #include "api/comparison_handlers.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
+#include "api/settings_handlers.hpp"
 #include "api/token_handlers.hpp"
 
 namespace tmcld {
@@ -90,6 +91,10 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::store_parameter>(configure),
     method<handlers::restore_parameter>(configure),
     method<handlers::list_parameters>(observe),
+    method<handlers::read_all_settings>(observe),
+    method<handlers::compare_with_file>(observe),
+    method<handlers::load_file>(configure),
+    method<handlers::store_axis>(configure),
     method<handlers::get_coordinate>(observe),
     method<handlers::set_coordinate>(configure),
     method<handlers::capture_coordinate>(configure),

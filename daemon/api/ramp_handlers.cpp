@@ -189,6 +189,20 @@ Task<void> write_all(GatewayAxis& axis, const std::vector<Setting>& settings,
   }
 }
 
+/// They are set by now.
+Task<void> store_all(GatewayAxis& axis, const std::vector<Setting>& settings, const Call& call) {
+  for (const auto& setting : settings) {
+    RunOptions options;
+    options.permit = call.permit;
+    const auto stored = co_await axis.store(setting.parameter, std::move(options));
+    if (stored) continue;
+    auto error = call_error(stored.error(), axis.name());
+    error.message = fmt::format("the ramp is set, but {} could not be stored: {}",
+                                row_of(setting, axis).name, error.message);
+    co_await refuse(std::move(error));
+  }
+}
+
 Error not_foreseeable(const GatewayAxis& axis, const std::string& why) {
   return param_error<&axis::GetRamp::axis>(
       "not_foreseeable", "how " + axis.name() + " will move cannot be foreseen: " + why);
@@ -299,6 +313,8 @@ Answer<axis::SetRamp> set_ramp(Call& call, const axis::SetRamp& params) {
   auto settings = co_await must(in_safe_order(axis, chosen.ramp.choice.settings));
   chosen.ramp.choice.settings = std::move(settings);
   co_await must(write_all(axis, chosen.ramp.choice.settings, ready.moves));
+  if (params.store.value_or(false))
+    co_await must(store_all(axis, chosen.ramp.choice.settings, call));
   auto warnings = co_await axis.warnings();
   if (!warnings) warnings = std::vector{"no prediction: " + warnings.error().message};
   chosen.ramp.warnings.insert(chosen.ramp.warnings.end(), warnings->begin(), warnings->end());

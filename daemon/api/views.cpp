@@ -87,6 +87,12 @@ api::WordOr<api::axis::Deadman> view_of(const Deadman& deadman) {
   return {api::axis::Deadman{*deadman.set_ms(), *tested}};
 }
 
+const char* settings_state_of(const GatewayModule& module) {
+  if (!module.settings_config().wanted) return "none";
+  const auto& drift = module.drift();
+  return !drift ? "unknown" : drift->empty() ? "as_file" : "differ";
+}
+
 }  // namespace
 
 std::vector<std::string> texts(const std::vector<std::string_view>& names) {
@@ -172,6 +178,7 @@ api::module::Module view_of(const GatewayBus& bus, const GatewayModule& module) 
   out.duplicate_suspected = module.duplicate_suspected();
   out.watched_by = module.sentinel().name();
   out.deadman = view_of(module.deadman());
+  out.settings = settings_state_of(module);
   return out;
 }
 

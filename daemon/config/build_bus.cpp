@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "config/build_sections.hpp"
 #include "config/feeding.hpp"
 #include "config/module_file.hpp"
+#include "config/settings_file.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmcld {
@@ -74,6 +77,28 @@ void set_measured(Draft& draft, const Said<std::string>& path, ModuleConfig& mod
   module.as = *measured;
 }
 
+/// By SettingsConfig::Drift.
+constexpr std::array<std::string_view, 2> drift_words{"report", "restore"};
+
+/// Of the module that was added last. Another text of the file is another bus, as another
+/// configuration is.
+void set_settings(Draft& draft, const ModuleSection& section, BusConfig& bus) {
+  auto& settings = bus.modules.back().settings;
+  draft.set_choice(section.settings_at_reset, drift_words, settings.at_reset);
+  if (section.settings_at_reset && !section.settings)
+    draft.complain(section.settings_at_reset, "'settings_at_reset' needs 'settings', a file");
+  if (!section.settings) return;
+  settings.file = *section.settings;
+  auto read = read_settings_file(settings.file);
+  if (!read) {
+    for (const auto& problem : read.error())
+      draft.complain(section.settings, "'settings': " + describe(problem, settings.file));
+    return;
+  }
+  bus.said += to_toml(*read);
+  settings.wanted = std::make_shared<const tmcl::Settings>(*std::move(read));
+}
+
 /// Of the module that was added last.
 void set_deadman(Draft& draft, const Said<std::uint16_t>& ms, BusConfig& bus) {
   if (!ms) return;
@@ -126,6 +151,7 @@ void add_module(Draft& draft, const ModuleSection& section) {
   modules.push_back({address});
   set_deadman(draft, section.deadman_ms, *bus);
   set_measured(draft, section.as, modules.back());
+  set_settings(draft, section, *bus);
   set_sentinel(draft, section.sentinel, modules.back());
 }
 

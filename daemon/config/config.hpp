@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,6 +17,10 @@
 #include "tmcl/mechanics.hpp"
 #include "tmcl/module_traits.hpp"
 #include "tmcl/verbs.hpp"
+
+namespace tmcl {
+struct Settings;
+}
 
 namespace tmcld {
 
@@ -72,12 +77,21 @@ struct SentinelConfig {
   std::uint8_t variable = 0;
 };
 
+/// What a module is to be set to.
+struct SettingsConfig {
+  enum class Drift : std::uint8_t { report, restore };
+  std::shared_ptr<const tmcl::Settings> wanted{};  ///< Null: nothing is said about that.
+  std::string file{};
+  Drift at_reset = Drift::report;
+};
+
 struct ModuleConfig {
   tmcl::ModuleAddress address{};
   SentinelConfig sentinel{};
   /// After so long without a command it stops its motors; 0: never. Nothing: it is left alone.
   std::optional<std::int32_t> deadman_ms{};
   MeasuredModule as{};
+  SettingsConfig settings{};
 };
 
 struct BusConfig {

@@ -39,13 +39,15 @@ struct GatewayEvent {
     module_in_bootloader,  ///< The same, but no firmware runs in it.
     module_reset,          ///< A module has started again: its axes are latched.
     module_replaced,       ///< A module is another one than before: its axes are latched.
+    settings_drift,        ///< The settings of a module are not as in their file: see reason.
   };
   Kind kind;
   std::string bus;
   std::optional<std::uint16_t> address{};  ///< Where it is about one module.
   std::int32_t value = 0;                  ///< A bit for each motor, where it is about motors.
   std::string text{};
-  std::string reason{};      ///< lease_lost: expired, closed or broken.
+  std::string reason{};      ///< lease_lost: expired, closed or broken; settings_drift: report,
+                             ///< restored or not_restored.
   std::string_view cause{};  ///< axis_stopped: the name of a StopCause.
   /// line_broken, path_broken, mint_broken: of the axis.
   std::vector<UnrestoredSetting> unrestored{};

@@ -6,6 +6,7 @@
 #include "async/spawn.hpp"
 #include "gateway/journey/awaited_run.hpp"
 #include "gateway/journey/search_watch.hpp"
+#include "gateway/module/settings_guard.hpp"
 #include "gateway/orphans.hpp"
 #include "gateway/standing_stop.hpp"
 #include "gateway/stop_all.hpp"
@@ -109,6 +110,7 @@ void Gateway::add_axes(const Config& config) {
 }
 
 void Gateway::start() {
+  guard_settings(shared_from_this());
   if (journal_) take_over_orphans();
   for (const auto& bus : buses_) bus->start();
   begin_to_watch_for_gaps();
@@ -168,6 +170,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case ClaimKind::verification: return "verification";
     case ClaimKind::stop: return "stop";
     case ClaimKind::none:
+    case ClaimKind::settings:
     case ClaimKind::search: break;
   }
   if (axis.bus().gate().owes_stop(axis.address()) && axis.bus().motors().may_move(axis.address()))

@@ -73,6 +73,12 @@ inline const std::vector<MethodCall> all{
     {"axis.get_ramp", y},
     {"axis.plan_ramp", R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s"})"},
     {"axis.set_ramp", R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s"})"},
+    {"settings.read", module_2},
+    {"settings.compare",
+     R"({"bus":"bench","address":2,"toml":"model = \"TMCM-3110\"\n[motor.0]\nmax_current = 9\n"})"},
+    {"settings.load",
+     R"({"bus":"bench","address":2,"toml":"model = \"TMCM-3110\"\n[motor.0]\nmax_current = 9\n"})"},
+    {"settings.store", y},
     {"ramp.compare",
      R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s","distance_microsteps":9000,)"
      R"("resonance_hz":12})"},

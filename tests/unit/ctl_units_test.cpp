@@ -322,7 +322,8 @@ TEST_F(CtlRamp, ShowsWhatIsSetAndWhatThatGives) {
   EXPECT_EQ(out,
             "pulse_divisor      3\n"
             "max_velocity       1638\n"
-            "gives 4.88162 mm/s, 19.5314 mm/s^2; up to speed in 0.2499 s and 6247 microsteps\n");
+            "gives 4.88162 mm/s, 19.5314 mm/s^2; up to speed in 0.2499 s and 6247 microsteps\n"
+            "it holds until the module loses power: --store keeps it\n");
   EXPECT_EQ(err,
             "tmclctl: warning: the motor may oscillate\n"
             "tmclctl: warning: the deceleration is the acceleration\n");

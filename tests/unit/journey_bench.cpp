@@ -9,7 +9,8 @@
 
 namespace tmcld::test {
 
-JourneyBench::JourneyBench(std::string_view model, const std::string& of_axes) {
+JourneyBench::JourneyBench(std::string_view model, const std::string& of_axes,
+                           const std::string& of_module) {
   std::signal(SIGPIPE, SIG_IGN);
   silence_log();
   wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1});
@@ -21,6 +22,7 @@ JourneyBench::JourneyBench(std::string_view model, const std::string& of_axes) {
   std::string text =
       "[daemon]\nsocket = \"/none\"\n[[bus]]\nname = \"line\"\n"
       "link = \"serial:/dev/none@115200\"\n";
+  if (!of_module.empty()) text += "[[module]]\nbus = \"line\"\naddress = 1\n" + of_module;
   const auto add = [&](const std::string& name, int address, int motor) {
     text += "[[axis]]\nname = \"" + name +
             "\"\nbus = \"line\"\naddress = " + std::to_string(address) +
@@ -34,6 +36,7 @@ JourneyBench::JourneyBench(std::string_view model, const std::string& of_axes) {
   options.open_link = [this](const BusConfig&) { return wire.open(); };
   gateway =
       Gateway::create(context_.get_executor(), parse_config(text).value(), std::move(options));
+  gateway->on_event([this](const GatewayEvent& event) { events.push_back(event); });
   gateway->start();
   time.run_for(std::chrono::seconds(1));
   requests.clear();

@@ -23,7 +23,9 @@ namespace json = boost::json;
 
 class JourneyBench {
  public:
-  explicit JourneyBench(std::string_view model = "TMCM-3110", const std::string& of_axes = {});
+  /// `of_module`: of the first one, in the configuration.
+  explicit JourneyBench(std::string_view model = "TMCM-3110", const std::string& of_axes = {},
+                        const std::string& of_module = {});
   ~JourneyBench();
   JourneyBench(const JourneyBench&) = delete;
   JourneyBench& operator=(const JourneyBench&) = delete;
@@ -78,6 +80,7 @@ class JourneyBench {
   std::vector<tmcl::Request> requests;
   std::function<void(const tmcl::Request&)> on_request;
   std::vector<json::object> news;
+  std::vector<GatewayEvent> events;
   std::shared_ptr<Gateway> gateway;
 
  private:

@@ -39,7 +39,8 @@ enum class ClaimKind : std::uint8_t {
   search,
   deadman_test,
   verification,
-  stop,  ///< No call, until it is certain that it stands: see standing_stop.hpp.
+  settings,  ///< It stands, and is set.
+  stop,      ///< No call, until it is certain that it stands: see standing_stop.hpp.
 };
 
 /// What is known of a motor, and of the client of the call that is judged. Calls and stops are

@@ -194,6 +194,7 @@ Script<tmcl::Result<void>> GatewayModule::mark() {
 
 void GatewayModule::latch(GatewayEvent::Kind kind, const std::string& what) {
   ++settings_epoch_;
+  forget_drift();
   deadman_.forget_settings();
   bus_.motors().latch(address_, "module " + std::to_string(number(address_)) + " " + what);
   bus_.emit({kind, bus_.name(), number(address_), 0, "it " + what});
@@ -248,7 +249,18 @@ void GatewayModule::note(const tmcl::Error& error) {
 void GatewayModule::forget_state() {
   state_ = State::unknown;
   duplicate_suspected_ = false;
+  forget_drift();
   deadman_.forget_settings();
+}
+
+void GatewayModule::forget_drift() {
+  drift_.reset();
+  is_compared_ = false;
+}
+
+void GatewayModule::end_comparing_settings(bool failed) {
+  is_comparing_ = false;
+  if (failed) forget_drift();
 }
 
 }  // namespace tmcld

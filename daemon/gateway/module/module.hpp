@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <boost/asio/awaitable.hpp>
 
@@ -13,6 +14,7 @@
 #include "gateway/module/deadman.hpp"
 #include "gateway/module/sentinel.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/settings.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcld {
@@ -33,6 +35,7 @@ class GatewayModule {
         address_(config.address),
         as_(config.as),
         sentinel_(config.sentinel),
+        settings_(config.settings),
         deadman_(bus, config) {}
 
   tmcl::ModuleAddress address() const { return address_; }
@@ -84,6 +87,18 @@ class GatewayModule {
   /// Sends it something, unless that takes longer.
   boost::asio::awaitable<void> feed(tmcl::TimePoint deadline);
 
+  /// What it is to be set to.
+  const SettingsConfig& settings_config() const { return settings_; }
+  /// How its settings differ from those; nothing if that is not known.
+  const std::optional<std::vector<tmcl::SettingDifference>>& drift() const { return drift_; }
+  void note_drift(std::vector<tmcl::SettingDifference> drift) { drift_ = std::move(drift); }
+  /// They are to be compared now, by the caller. False while others do so.
+  bool begin_to_compare_settings() {
+    return !is_compared_ && !std::exchange(is_comparing_, true) && (is_compared_ = true);
+  }
+  /// `failed`: they are to be compared when it answers again.
+  void end_comparing_settings(bool failed);
+
   /// The last thing that its data logger was told to record; 0: nothing since the daemon started.
   std::int32_t capture() const { return capture_; }
   void begin_capture() { ++capture_; }
@@ -105,6 +120,7 @@ class GatewayModule {
   /// Writes to a user variable that was not set since the module started.
   tmcl::Script<tmcl::Result<void>> mark();
   void adopt(const tmcl::FoundModule& found);
+  void forget_drift();
   void latch(GatewayEvent::Kind kind, const std::string& what);
 
   GatewayBus& bus_;
@@ -116,6 +132,10 @@ class GatewayModule {
   bool duplicate_suspected_ = false;
   std::uint64_t settings_epoch_ = 0;
   Sentinel sentinel_;
+  SettingsConfig settings_;
+  std::optional<std::vector<tmcl::SettingDifference>> drift_;
+  bool is_compared_ = false;
+  bool is_comparing_ = false;
   SharedWork<tmcl::Result<void>> meetings_;
   Deadman deadman_;
   std::int32_t capture_ = 0;

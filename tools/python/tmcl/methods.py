@@ -64,6 +64,10 @@ EFFECTS: Mapping[str, str] = {
     "parameter.store": "writes",
     "parameter.restore": "moves",
     "parameter.list": "reads",
+    "settings.read": "reads",
+    "settings.compare": "reads",
+    "settings.load": "writes",
+    "settings.store": "writes",
     "coordinate.get": "reads",
     "coordinate.set": "writes",
     "coordinate.capture": "writes",
@@ -294,6 +298,9 @@ class Module(Record):
     #: whether it stops its motors when no host sends it anything: unknown, none, or what a
     #: test has found
     deadman: str | ModuleListModulesDeadman = ""
+    #: whether they are as in the file that is configured: none (no file), unknown, as_file,
+    #: differ
+    settings: str = ""
     _inner: ClassVar[Mapping[str, type[Record]]] = {"deadman": ModuleListModulesDeadman}
 
 
@@ -1066,6 +1073,98 @@ class ParameterList(Record):
 
 
 @dataclass(frozen=True)
+class SettingsReadSettings(Record):
+    #: where it stands in a file: global, interrupts, motor.0
+    section: str = ""
+    #: its standard name
+    parameter: str = ""
+    #: its number
+    number: int = 0
+    #: its value
+    value: int = 0
+    #: what a new module has
+    initial: int = 0
+    #: unit of the value; null for codes and flags
+    unit: str | None = None
+    #: what it does
+    meaning: str = ""
+
+
+@dataclass(frozen=True)
+class SettingsRead(Record):
+    #: model of the module
+    model: str = ""
+    #: its version
+    firmware: str = ""
+    #: in the order of their numbers
+    settings: tuple[SettingsReadSettings, ...] = ()
+    #: what is of this module alone, such as its address, and is never loaded
+    apart: tuple[SettingsReadSettings, ...] = ()
+    #: the same as a file
+    toml: str = ""
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": SettingsReadSettings, "apart": SettingsReadSettings}
+
+
+@dataclass(frozen=True)
+class SettingsCompareDifferences(Record):
+    #: where it stands in a file: global, interrupts, motor.0
+    section: str = ""
+    #: its standard name
+    parameter: str = ""
+    #: its number
+    number: int = 0
+    #: what the module has; null: it has none
+    present: int | None = None
+    #: what the file says
+    wanted: int = 0
+
+
+@dataclass(frozen=True)
+class SettingsCompare(Record):
+    #: model of the module
+    model: str = ""
+    #: what settings.load would write
+    differences: tuple[SettingsCompareDifferences, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"differences": SettingsCompareDifferences}
+
+
+@dataclass(frozen=True)
+class SettingsLoadRefused(Record):
+    #: where it stands in a file: global, interrupts, motor.0
+    section: str = ""
+    #: its standard name
+    parameter: str = ""
+    #: its number
+    number: int = 0
+    #: what the module or the configuration says to it
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class SettingsLoad(Record):
+    #: what was written; 'present' is what was before
+    written: tuple[SettingsCompareDifferences, ...] = ()
+    #: what could not be written, or not be stored
+    refused: tuple[SettingsLoadRefused, ...] = ()
+    #: what is not as in the file afterwards
+    differing: tuple[SettingsCompareDifferences, ...] = ()
+    #: how many were copied to the EEPROM
+    stored: int = 0
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"written": SettingsCompareDifferences, "refused": SettingsLoadRefused, "differing": SettingsCompareDifferences}
+
+
+@dataclass(frozen=True)
+class SettingsStore(Record):
+    #: name of the axis
+    axis: str = ""
+    #: how many were copied to the EEPROM
+    stored: int = 0
+    #: what could not be stored
+    refused: tuple[SettingsLoadRefused, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"refused": SettingsLoadRefused}
+
+
+@dataclass(frozen=True)
 class CoordinateGet(Record):
     #: where it is
     position_microsteps: int = 0
@@ -1576,9 +1675,10 @@ class Methods:
         deceleration_internal: int | None = None,
         jerk: float | str | None = None,
         bow: int | None = None,
+        store: bool | None = None,
     ) -> AxisPlanRamp:
         """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
-        return AxisPlanRamp.of(self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
+        return AxisPlanRamp.of(self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow, "store": store}))
 
     def ramp_compare(
         self,
@@ -1766,6 +1866,43 @@ class Methods:
     def parameter_list(self, axis: str) -> ParameterList:
         """`parameter.list` the parameters that the model of an axis has."""
         return ParameterList.of(self._call("parameter.list", {"axis": axis}))
+
+    def settings_read(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> SettingsRead:
+        """`settings.read` reads all settings of a module."""
+        return SettingsRead.of(self._call("settings.read", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    def settings_compare(
+        self,
+        bus: str,
+        address: int,
+        *,
+        toml: str | None = None,
+    ) -> SettingsCompare:
+        """`settings.compare` compares a module with a file of settings, or with the one that is
+        configured."""
+        return SettingsCompare.of(self._call("settings.compare", {"bus": bus, "address": address, "toml": toml}))
+
+    def settings_load(
+        self,
+        bus: str,
+        address: int,
+        toml: str,
+        *,
+        store: bool | None = None,
+    ) -> SettingsLoad:
+        """`settings.load` sets a module as a file of settings says; its motors must stand, and
+        nothing moves."""
+        return SettingsLoad.of(self._call("settings.load", {"bus": bus, "address": address, "toml": toml, "store": store}))
+
+    def settings_store(self, axis: str) -> SettingsStore:
+        """`settings.store` keeps all settings of an axis as they are now, in the module's EEPROM."""
+        return SettingsStore.of(self._call("settings.store", {"axis": axis}))
 
     def coordinate_get(
         self,
@@ -2430,9 +2567,10 @@ class AsyncMethods:
         deceleration_internal: int | None = None,
         jerk: float | str | None = None,
         bow: int | None = None,
+        store: bool | None = None,
     ) -> AxisPlanRamp:
         """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
-        return AxisPlanRamp.of(await self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
+        return AxisPlanRamp.of(await self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow, "store": store}))
 
     async def ramp_compare(
         self,
@@ -2620,6 +2758,43 @@ class AsyncMethods:
     async def parameter_list(self, axis: str) -> ParameterList:
         """`parameter.list` the parameters that the model of an axis has."""
         return ParameterList.of(await self._call("parameter.list", {"axis": axis}))
+
+    async def settings_read(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> SettingsRead:
+        """`settings.read` reads all settings of a module."""
+        return SettingsRead.of(await self._call("settings.read", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    async def settings_compare(
+        self,
+        bus: str,
+        address: int,
+        *,
+        toml: str | None = None,
+    ) -> SettingsCompare:
+        """`settings.compare` compares a module with a file of settings, or with the one that is
+        configured."""
+        return SettingsCompare.of(await self._call("settings.compare", {"bus": bus, "address": address, "toml": toml}))
+
+    async def settings_load(
+        self,
+        bus: str,
+        address: int,
+        toml: str,
+        *,
+        store: bool | None = None,
+    ) -> SettingsLoad:
+        """`settings.load` sets a module as a file of settings says; its motors must stand, and
+        nothing moves."""
+        return SettingsLoad.of(await self._call("settings.load", {"bus": bus, "address": address, "toml": toml, "store": store}))
+
+    async def settings_store(self, axis: str) -> SettingsStore:
+        """`settings.store` keeps all settings of an axis as they are now, in the module's EEPROM."""
+        return SettingsStore.of(await self._call("settings.store", {"axis": axis}))
 
     async def coordinate_get(
         self,

@@ -30,6 +30,9 @@ constexpr double shortest_time_s = 0.001;
 constexpr double longest_time_s = 1e6;
 /// Of the word AXIS.
 constexpr const char* axis_meaning = "A configured name, or [BUS:]ADDRESS/MOTOR";
+/// And MODULE.
+constexpr const char* module_meaning =
+    "Its address, or BUS:ADDRESS where tmcld has several buses";
 
 /// Takes what was typed; otherwise a sentence on what is wrong with it.
 using Reading = tl::expected<void, std::string>;

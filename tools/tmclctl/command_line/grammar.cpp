@@ -102,7 +102,7 @@ void Form::words(const std::string& name, const std::string& description, const 
   add_many(*app_, name, "", description, read);
 }
 void Form::module(std::string& into) {
-  word("MODULE", "Its address, or BUS:ADDRESS where tmcld has several buses", text(into));
+  word("MODULE", module_meaning, text(into));
 }
 void Form::axis(std::string& into) { word("AXIS", axis_meaning, text(into)); }
 void Form::option(const std::string& name, const std::string& value, const std::string& description,

@@ -267,6 +267,7 @@ struct Ramp {
   std::optional<double> damping;
   std::string tolerance;  ///< Empty: a thousandth of the distance.
   bool dry_run = false;
+  bool store = false;
   bool internal = false;
 };
 /// One quantity in all its forms, on a module that need not be there.
@@ -292,6 +293,7 @@ struct Ask {
   std::vector<std::uint8_t> motors;
   std::vector<std::string> axes;
   bool interpolated = false;
+  bool all = false;  ///< Of the axis, instead of one parameter.
   bool sure = false;
   bool internal = false;
 };
@@ -311,6 +313,25 @@ struct SetDeadman {
 };
 struct TestDeadman {
   std::string axis;
+};
+/// The settings of a module.
+struct SettingsSave {
+  std::string module;  ///< Empty: all modules of `bus`.
+  std::string bus;
+  std::string file;  ///< Empty: standard output; with `bus`, a folder.
+};
+struct SettingsShow {
+  std::string module;
+  bool changed = false;  ///< Only those that a new module has otherwise.
+};
+/// Files or modules.
+struct SettingsDiff {
+  std::string wanted, present;
+};
+struct SettingsLoad {
+  std::string file, module;
+  bool dry_run = false;
+  bool store = false;
 };
 /// In what the module of an axis is not like its twin.
 struct Verify {

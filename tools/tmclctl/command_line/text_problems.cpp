@@ -18,9 +18,9 @@ boost::json::object to_json(const tmcl::TextProblem& problem) {
 }  // namespace
 
 Error error_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
-                 Output& output) {
+                 Output& output, const char* name) {
   auto failure = usage_error(
-      "bad_program", fmt::format("{}{} problem{} in {}", problems.size() < most ? "" : "at least ",
+      name, fmt::format("{}{} problem{} in {}", problems.size() < most ? "" : "at least ",
                                  problems.size(), problems.size() == 1 ? "" : "s", file));
   boost::json::array list;
   for (const auto& problem : problems) {

@@ -11,8 +11,8 @@
 namespace tmclctl {
 
 /// Prints each problem as FILE:LINE:COLUMN: MESSAGE, and says how many there are. `most`: no more
-/// than so many are ever told.
+/// than so many are ever told. `name`: of the error.
 Error error_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
-                 Output& output);
+                 Output& output, const char* name = "bad_program");
 
 }  // namespace tmclctl

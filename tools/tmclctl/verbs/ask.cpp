@@ -9,6 +9,7 @@
 #include "axis/axis_names.hpp"
 #include "connection/json_read.hpp"
 #include "output/print.hpp"
+#include "tmcl/api/settings.hpp"
 #include "tmcl/json_text.hpp"
 #include "tmcl/plain_number.hpp"
 
@@ -109,7 +110,18 @@ std::string names_in(const json::array& axes) {
   return names;
 }
 
+/// What could not be stored is told, and the others are stored.
+void tell_stored(const verb::Ask& verb, const json::object& result, Context& context) {
+  for (const auto& one : array_at(result, "refused"))
+    warn(fmt::format("{} is not stored: {}", text_at(one.as_object(), "parameter"),
+                     text_at(one.as_object(), "why")),
+         context.output);
+  context.output.out << fmt::format("{}: {} settings are stored\n", verb.axis,
+                                    number_at(result, "stored").value_or(0));
+}
+
 void tell(const verb::Ask& verb, const json::object& result, Context& context) {
+  if (verb.all) return tell_stored(verb, result, context);
   const auto* line = std::ranges::find(told, verb.method, &Told::method);
   if (line == told.end()) return;
   const bool of_path = verb.method.starts_with("path.");
@@ -160,7 +172,8 @@ json::object named(const verb::Ask& verb, json::object result) {
 Result<ExitCode> run(const verb::Ask& verb, Context& context) {
   auto params = params_of(verb, context);
   if (!params) return tl::unexpected(params.error());
-  const auto result = context.gateway.caller.call(verb.method, std::move(*params));
+  const auto method = verb.all ? std::string(tmcl::api::settings::Store::method.name) : verb.method;
+  const auto result = context.gateway.caller.call(method, std::move(*params));
   if (!result) return tl::unexpected(explained(result.error(), verb, context));
   if (context.output.json) {
     print_json(named(verb, *result), context.output);

@@ -11,6 +11,7 @@ parameters can be stored: 'tmclctl params AXIS' shows RWE in its column ACCESS.
 
   tmclctl set x max_velocity 1500
   tmclctl store x max_velocity
+  tmclctl store x --all                          all settings of the axis, as they are now
 )";
 
 constexpr const char* restore_help = R"(
@@ -25,7 +26,11 @@ void add_eeprom(Grammar& grammar) {
   auto store = ask(grammar, "store", access::acts, "parameter.store",
                    "Keep a parameter's value when the module loses power", store_help);
   store.axis(store->axis);
-  add_parameter(store);
+  store.optional_word("PARAM", "Number or standard name", text(store->parameter));
+  store.flag("--all", "All settings of the axis", store->all);
+  store.object([](const verb::Ask& said, bool) {
+    return said.parameter.empty() != said.all ? "say which parameter, or --all, and not both" : "";
+  });
   auto restore = ask(grammar, "restore", access::acts, "parameter.restore",
                      "Take back what was stored", restore_help);
   restore.axis(restore->axis);

@@ -395,10 +395,16 @@ Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
 
 Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
   if (verb.compare) return compare_on_axis(verb, context);
-  const auto ramp = verb.dry_run ? context.call(method_of<api::axis::PlanRamp>(verb))
-                                 : context.call(method_of<api::axis::SetRamp>(verb));
+  auto set = method_of<api::axis::SetRamp>(verb);
+  if (verb.store) set.store = true;
+  const auto ramp =
+      verb.dry_run ? context.call(method_of<api::axis::PlanRamp>(verb)) : context.call(set);
   if (!ramp) return tl::unexpected(ramp.error());
   show(verb, *ramp, context.output);
+  if (!verb.dry_run && !context.output.json)
+    context.output.out << (verb.store
+                               ? "it is stored: the module starts with it\n"
+                               : "it holds until the module loses power: --store keeps it\n");
   return ExitCode::done;
 }
 
@@ -412,6 +418,8 @@ Reading read_resonance(std::string text, std::optional<double>& into) {
 std::string conflict_in(const verb::Ramp& said, bool json) {
   if (said.as && !said.offline.is_meant()) return "--as needs --model";
   if (said.as && json) return "--as and --json exclude each other";
+  if (said.store && (said.offline.is_meant() || said.compare || said.dry_run))
+    return "--store needs an axis that is set";
   if (said.as && said.compare) return "--as and --compare exclude each other";
   if (said.compare && said.distance.empty()) return "--compare needs --distance";
   if (!said.distance.empty() && !said.compare) return "--distance needs --compare";
@@ -492,6 +500,7 @@ void add_ramp(Grammar& grammar) {
               "Within which the load is to stand (default: a thousandth of the move)",
               text(ramp->tolerance));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
+  ramp.flag("--store", "Keep it in the module's EEPROM, too", ramp->store);
   ramp.internal(ramp->internal);
   ramp.alone([](const verb::Ramp& said) { return said.offline.is_meant(); }, run_on_model);
   ramp.object(conflict_in);

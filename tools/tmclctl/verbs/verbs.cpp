@@ -29,6 +29,7 @@ void add_verbs(Grammar& grammar) {
   add_arrivals(grammar);
   add_eeprom(grammar);
   add_globals(grammar);
+  add_settings(grammar);
   add_inputs(grammar);
   add_module(grammar);
   add_raw(grammar);

@@ -39,6 +39,7 @@ void add_coordinates(Grammar& grammar);
 void add_arrivals(Grammar& grammar);
 void add_eeprom(Grammar& grammar);
 void add_globals(Grammar& grammar);
+void add_settings(Grammar& grammar);
 void add_inputs(Grammar& grammar);
 void add_module(Grammar& grammar);
 void add_raw(Grammar& grammar);

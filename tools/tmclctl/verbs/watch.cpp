@@ -19,8 +19,8 @@ namespace api = tmcl::api;
 // What becomes of links and modules; what axes do is seen in their states.
 constexpr auto told_events = std::to_array<std::string_view>(
     {"module_silent", "module_answers", "module_in_bootloader", "module_reset", "module_replaced",
-     "duplicate_address", "owner_lost", "axis_fault", "link_lost", "link_restored",
-     "link_condition"});
+     "settings_drift", "duplicate_address", "owner_lost", "axis_fault", "link_lost",
+     "link_restored", "link_condition"});
 
 /// What is told of an axis, but for how old it is.
 boost::json::object news_of(AxisReading reading) {

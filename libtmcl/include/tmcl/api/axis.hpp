@@ -253,6 +253,7 @@ struct PlanRamp : OfRamp {
 struct SetRamp : OfRamp {
   TMCL_METHOD("axis.set_ramp", writes, Ramp, "chooses them, and sets them on an axis that stands",
               SetRamp, OfRamp);
+  TMCL_FIELD(std::optional<bool>, store, "keeps them in the module's EEPROM, too");
 };
 
 struct ModuleTrait {

@@ -140,6 +140,9 @@ struct Module {
   TMCL_FIELD(WordOr<axis::Deadman>, deadman,
              "whether it stops its motors when no host sends it anything: unknown, none, or what "
              "a test has found");
+  TMCL_FIELD(std::string, settings,
+             "whether they are as in the file that is configured: none (no file), unknown, "
+             "as_file, differ");
 };
 struct Modules {
   TMCL_STRUCT(Modules);
