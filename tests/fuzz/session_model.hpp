@@ -244,7 +244,7 @@ class SessionModel {
     if (!message.contains("result")) return;
     must(!question.id.empty(), "what has no id is not done");
     must(question.method != nullptr, "what is no method is not done");
-    if (question.is_repeated) return;
+    if (question.is_repeated) return note_subscription(connections_[connection], message);
     must(!question.must_fail || may_have_changed(question, now), "what must be refused is");
     on_done(connection, question, message.at("result"));
   }
@@ -254,6 +254,13 @@ class SessionModel {
     return std::ranges::any_of(leases_, [&](const KnownLease& lease) {
       return (lease.axes & question.axes).any() && (lease.is_over || now >= lease.sure_until);
     });
+  }
+
+  /// Whichever question of an id was answered: it has subscribed if its answer says so.
+  static void note_subscription(State& state, const json::object& message) {
+    const auto* result = message.at("result").if_object();
+    const auto* number = result == nullptr ? nullptr : result->if_contains("subscription");
+    if (number != nullptr) state.subscriptions.insert(number->to_number<std::int64_t>());
   }
 
   void on_done(Connection connection, const Question& question, const json::value& result) {
