@@ -2,6 +2,7 @@
 #include <array>
 
 #include "api/comparison_handlers.hpp"
+#include "api/doctor_handlers.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
 #include "api/settings_handlers.hpp"
@@ -44,6 +45,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::list_buses>(observe),
     method<handlers::trace>(observe),
     method<handlers::scan>(observe),
+    method<handlers::examine>(observe),
     method<handlers::list_modules>(observe),
     method<handlers::execute>(stop),
     method<handlers::list_axes>(observe),

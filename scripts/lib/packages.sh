@@ -32,6 +32,8 @@ can-utils|cansend and candump, which tests compare with
 curl|calls tmcld by HTTP, as docs/PROTOCOL.md shows
 openssl|makes certificates for tests
 socat|joins and cuts serial lines
+zsh|its completion of tmclctl
+fish|its completion of tmclctl
 tshark|reads what tmclctl has recorded
 python3|hosts in Python, and some tests
 python3-serial|serial ports in Python

@@ -73,6 +73,7 @@ inline const std::vector<MethodCall> all{
     {"axis.get_ramp", y},
     {"axis.plan_ramp", R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s"})"},
     {"axis.set_ramp", R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s"})"},
+    {"doctor.examine"},
     {"settings.read", module_2},
     {"settings.compare",
      R"({"bus":"bench","address":2,"toml":"model = \"TMCM-3110\"\n[motor.0]\nmax_current = 9\n"})"},

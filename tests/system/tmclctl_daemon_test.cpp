@@ -148,7 +148,8 @@ TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
   const auto complete = [this](const std::string& words, int cursor) {
     const std::string script = "PATH='" TMCL_BIN_DIR "':$PATH; source '" TMCL_SOURCE_DIR
                                "/config/completions/tmclctl.bash'; compopt() { :; }; COMP_WORDS=(" +
-                               words + "); COMP_CWORD=" + std::to_string(cursor) +
+                               words + "); COMP_CWORD=" + std::to_string(cursor) + "; COMP_LINE='" +
+                               words + "'; COMP_POINT=${#COMP_LINE}" +
                                "; _tmclctl; echo \"${COMPREPLY[*]}\"";
     return run_program({"/bin/bash", "-c", script}).output;
   };
@@ -163,6 +164,42 @@ TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
   EXPECT_EQ(complete(how + " line g", 4), "ghost=\n");
   EXPECT_EQ(complete("tmclctl help mo", 2), "modules models move\n");
   EXPECT_EQ(complete("tmclctl --json help program ve", 4), "verify\n");
+}
+
+/// What a shell's own completion file offers for a line; the shell must be there.
+std::string completed_by(const std::string& shell, const std::string& script) {
+  return run_program({"/usr/bin/" + shell, "-c", "PATH='" TMCL_BIN_DIR "':$PATH\n" + script})
+      .output;
+}
+
+TEST_F(TmclctlDaemon, ZshCompletesVerbsAxesAndFiles) {
+  const auto complete = [](const std::string& words) {
+    return completed_by(
+        "zsh",
+        "compadd() { while [[ $1 != -- ]]; do shift; done; shift; print -l -- $@ }\n"
+        "_files() { print files }\nwords=(" +
+            words +
+            "); CURRENT=$#words\n"
+            "source '" TMCL_SOURCE_DIR "/config/completions/_tmclctl'");
+  };
+  const auto how = "tmclctl --socket " + file("tmcld.sock");
+  EXPECT_THAT(complete("tmclctl mo"), HasSubstr("modules\n"));
+  EXPECT_THAT(complete(how + " move ''"), HasSubstr("ghost\n"));
+  EXPECT_THAT(complete(how + " line ''"), HasSubstr("ghost=\n"));
+  EXPECT_EQ(complete("tmclctl path check ''"), "files\n");
+}
+
+TEST_F(TmclctlDaemon, FishCompletesVerbsAxesAndFiles) {
+  const auto complete = [](const std::string& line) {
+    return completed_by("fish", "source '" TMCL_SOURCE_DIR
+                                "/config/completions/tmclctl.fish'\n"
+                                "complete -C '" +
+                                    line + "'");
+  };
+  const auto how = "tmclctl --socket " + file("tmcld.sock");
+  EXPECT_EQ(complete("tmclctl mov"), "move\n");
+  EXPECT_THAT(complete(how + " move "), HasSubstr("ghost\n"));
+  EXPECT_THAT(complete(how + " settings load " TMCL_SOURCE_DIR "/READ"), HasSubstr("README.md"));
 }
 
 TEST_F(TmclctlDaemon, TheEnvironmentNamesTheSocket) {

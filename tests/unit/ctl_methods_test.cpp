@@ -107,6 +107,22 @@ TEST_F(CtlMethods, HomeSaysThatTheMotorSearches) {
                                  "can:can0 home x --stop"));
 }
 
+TEST_F(CtlMethods, HomeTakesSeveralAxesOneAfterTheOther) {
+  EXPECT_EQ(ctl.run({"home", "z", "x", "--no-wait"}), ExitCode::done);
+  EXPECT_THAT(ctl.target.calls, testing::ElementsAre(R"(axis.start_home {"axis":"z"})",
+                                                     R"(axis.start_home {"axis":"x"})"));
+  EXPECT_EQ(ctl.run({"home"}), ExitCode::usage);
+}
+
+TEST_F(CtlMethods, HomeKnowsModesByWords) {
+  ctl.run({"home", "x", "--no-wait", "--mode", "left"});
+  EXPECT_EQ(ctl.target.calls.back(), R"(axis.start_home {"axis":"x","mode":1})");
+  ctl.run({"home", "x", "--no-wait", "--mode", "65"});
+  EXPECT_EQ(ctl.target.calls.back(), R"(axis.start_home {"axis":"x","mode":65})");
+  EXPECT_EQ(ctl.run({"home", "x", "--mode", "lfet"}), ExitCode::usage);
+  EXPECT_THAT(ctl.err, HasSubstr("'lfet' is no mode: a number 1..255, or one of left, right-left"));
+}
+
 TEST_F(CtlMethods, OneValueIsPrintedBare) {
   ctl.target.result = {{"value", 7}, {"number", 66}};
   ctl.run({"global", "get", "1", "66"});

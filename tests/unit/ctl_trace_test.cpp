@@ -100,6 +100,30 @@ TEST_F(CtlTrace, OnStandardOutputThereIsNothingButTheFile) {
   EXPECT_EQ(tmcl::parse_trace_file(out).value().datagrams.size(), 2U);
 }
 
+TEST_F(CtlTrace, ShowsOnlyTheCommandsThatAreWanted) {
+  for (const auto* commands : {"GAP", "gap,MVP"}) {
+    let_one_exchange_pass();
+    EXPECT_EQ(run({"trace", "--for", "1", "--only", commands}), ExitCode::done);
+    EXPECT_THAT(out, HasSubstr("1 GAP actual_position"));
+    EXPECT_THAT(out, HasSubstr("1 GAP 51200")) << "the answer to it";
+  }
+  let_one_exchange_pass();
+  EXPECT_EQ(run({"trace", "--for", "1", "--only", "MVP,MST"}), ExitCode::done);
+  EXPECT_EQ(out, "");
+  EXPECT_EQ(run({"trace", "--only", "MPV"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("there is no command 'MPV'"));
+}
+
+TEST_F(CtlTrace, LeavesOutWhatThisTerminalHasAsked) {
+  auto mine = datagram(7, "out", "010601000000000008");
+  mine["client"] = "tmclctl (process " + std::to_string(::getpid()) + ")";
+  target.results = {buses({"bench"}), traffic({}, 6),
+                    traffic({mine, datagram(8, "out", "010601000000000008")}, 8), traffic({}, 8)};
+  EXPECT_EQ(run({"trace", "--for", "1", "--not-mine"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("process 4711"));
+  EXPECT_THAT(out, testing::Not(HasSubstr(std::to_string(::getpid()))));
+}
+
 TEST_F(CtlTrace, SaysWhatItHasMissed) {
   target.results = {buses({"bench"}), traffic({}, 6),
                     traffic({datagram(5000, "out", "010601000000000008")}, 5000, 904),

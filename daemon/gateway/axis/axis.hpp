@@ -68,6 +68,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const std::optional<double>& encoder_counts_per_unit() const {
     return axis_.config().scale.encoder_counts_per_unit;
   }
+  bool needs_reference() const { return axis_.config().needs_reference; }
+  /// By the configuration, as an exponent of two; nothing: as the module has it.
+  const std::optional<std::int32_t>& microstep_resolution() const {
+    return axis_.config().scale.microstep_resolution;
+  }
   GatewayBus& bus() const { return axis_.bus(); }
   GatewayModule& module() const { return axis_.module(); }
   /// The parameters of its model; empty while that is not known.

@@ -30,6 +30,8 @@ class Deadman {
 
   /// What the module is set to; 0: it is off, or the module has none. Nothing: it was not read.
   const std::optional<std::int32_t>& set_ms() const { return set_ms_; }
+  /// By the configuration; nothing: it is left alone.
+  const std::optional<std::int32_t>& wanted_ms() const { return wanted_ms_; }
   bool is_set() const { return set_ms_.value_or(0) > 0; }
 
   /// The module is this one: sets it as configured, if it is configured and that has not been done.

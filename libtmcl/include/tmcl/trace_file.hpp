@@ -59,6 +59,9 @@ CanFrame can_frame_of(const TracedDatagram& datagram);
 /// Nothing if its bytes are no reply.
 std::optional<Reply> reply_of(const TracedDatagram& datagram);
 
+/// Of a request or of a reply; nothing of other bytes.
+std::optional<Command> command_of(const TracedDatagram& datagram);
+
 /// What it means, for people: "1 MVP ABS 51200 motor 0" or "1 MVP invalid_value (4) 0", which begin
 /// with the address of the module. Axis parameters have names where they are in `parameters`.
 std::string describe(const TracedDatagram& datagram,

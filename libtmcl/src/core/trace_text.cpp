@@ -74,6 +74,17 @@ std::optional<Reply> reply_of(const TracedDatagram& datagram) {
   return bytes ? decode_serial_reply(*bytes) : std::nullopt;
 }
 
+std::optional<Command> command_of(const TracedDatagram& datagram) {
+  if (datagram.is_garbage) return std::nullopt;
+  if (datagram.direction == Traffic::Direction::out) {
+    const auto request = request_of(datagram);
+    return request ? std::optional(request->command) : std::nullopt;
+  }
+  if (version_of(datagram)) return Command::GET_FIRMWARE_VERSION;
+  const auto reply = reply_of(datagram);
+  return reply ? std::optional(reply->command) : std::nullopt;
+}
+
 std::string describe(const TracedDatagram& datagram, std::span<const ParameterInfo> parameters) {
   if (datagram.is_garbage) return "garbage";
   if (datagram.direction == Traffic::Direction::out) {

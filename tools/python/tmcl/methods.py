@@ -17,6 +17,7 @@ EFFECTS: Mapping[str, str] = {
     "bus.list": "reads",
     "bus.trace": "reads",
     "bus.scan": "reads",
+    "doctor.examine": "reads",
     "module.list": "reads",
     "module.execute": "moves",
     "axis.list": "reads",
@@ -265,6 +266,27 @@ class BusScan(Record):
     #: buses that could not be scanned
     failed: tuple[BusScanFailed, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"modules": BusScanModules, "failed": BusScanFailed}
+
+
+@dataclass(frozen=True)
+class DoctorExamineFindings(Record):
+    #: its name, such as supply
+    check: str = ""
+    #: the axis, the module (bench:1) or the bus; empty: tmcld itself
+    subject: str = ""
+    #: it keeps axes from moving, or may
+    wrong: bool = False
+    #: what is so, in a sentence
+    text: str = ""
+    #: what to do; null where nothing is wrong
+    cure: str | None = None
+
+
+@dataclass(frozen=True)
+class DoctorExamine(Record):
+    #: in the order in which to look at them
+    findings: tuple[DoctorExamineFindings, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"findings": DoctorExamineFindings}
 
 
 @dataclass(frozen=True)
@@ -1404,6 +1426,15 @@ class Methods:
         """`bus.scan` asks every address who is there; tells its progress by notify_progress."""
         return BusScan.of(self._call("bus.scan", {"bus": bus, "first": first, "last": last}))
 
+    def doctor_examine(
+        self,
+        *,
+        axis: str | None = None,
+        bus: str | None = None,
+    ) -> DoctorExamine:
+        """`doctor.examine` looks for what keeps axes from moving, and says what to do."""
+        return DoctorExamine.of(self._call("doctor.examine", {"axis": axis, "bus": bus}))
+
     def module_list(self) -> ModuleList:
         """`module.list` the configured modules and how they are."""
         return ModuleList.of(self._call("module.list", {}))
@@ -1871,11 +1902,9 @@ class Methods:
         self,
         bus: str,
         address: int,
-        *,
-        deadline_ms: int | None = None,
     ) -> SettingsRead:
         """`settings.read` reads all settings of a module."""
-        return SettingsRead.of(self._call("settings.read", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+        return SettingsRead.of(self._call("settings.read", {"bus": bus, "address": address}))
 
     def settings_compare(
         self,
@@ -2295,6 +2324,15 @@ class AsyncMethods:
     ) -> BusScan:
         """`bus.scan` asks every address who is there; tells its progress by notify_progress."""
         return BusScan.of(await self._call("bus.scan", {"bus": bus, "first": first, "last": last}))
+
+    async def doctor_examine(
+        self,
+        *,
+        axis: str | None = None,
+        bus: str | None = None,
+    ) -> DoctorExamine:
+        """`doctor.examine` looks for what keeps axes from moving, and says what to do."""
+        return DoctorExamine.of(await self._call("doctor.examine", {"axis": axis, "bus": bus}))
 
     async def module_list(self) -> ModuleList:
         """`module.list` the configured modules and how they are."""
@@ -2763,11 +2801,9 @@ class AsyncMethods:
         self,
         bus: str,
         address: int,
-        *,
-        deadline_ms: int | None = None,
     ) -> SettingsRead:
         """`settings.read` reads all settings of a module."""
-        return SettingsRead.of(await self._call("settings.read", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+        return SettingsRead.of(await self._call("settings.read", {"bus": bus, "address": address}))
 
     async def settings_compare(
         self,

@@ -31,8 +31,7 @@ constexpr double longest_time_s = 1e6;
 /// Of the word AXIS.
 constexpr const char* axis_meaning = "A configured name, or [BUS:]ADDRESS/MOTOR";
 /// And MODULE.
-constexpr const char* module_meaning =
-    "Its address, or BUS:ADDRESS where tmcld has several buses";
+constexpr const char* module_meaning = "Its address, or BUS:ADDRESS where tmcld has several buses";
 
 /// Takes what was typed; otherwise a sentence on what is wrong with it.
 using Reading = tl::expected<void, std::string>;
@@ -96,6 +95,8 @@ Read numbers(std::vector<Number>& into, std::type_identity_t<Number> least,
 Read text(std::string& into);
 /// Each time one more.
 Read texts(std::vector<std::string>& into);
+/// With commas between them.
+Read list(std::vector<std::string>& into);
 /// Each time one more: NAME=AXIS.
 Read named_axes(std::vector<std::string>& into);
 /// How often something is shown: 10 ms to a minute.

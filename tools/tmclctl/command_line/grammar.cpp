@@ -64,6 +64,19 @@ Read texts(std::vector<std::string>& into) {
   };
 }
 
+Read list(std::vector<std::string>& into) {
+  return [&into](const std::string& text) -> Reading {
+    into.clear();
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const auto end = std::min(text.find(',', begin), text.size());
+      if (end > begin) into.push_back(text.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    if (into.empty()) return tl::unexpected("'" + text + "' names nothing");
+    return {};
+  };
+}
+
 Read milliseconds(std::chrono::milliseconds& into) {
   constexpr int shortest_interval_ms = 10;
   constexpr int longest_interval_ms = 60'000;
@@ -101,9 +114,7 @@ void Form::optional_word(const std::string& name, const std::string& description
 void Form::words(const std::string& name, const std::string& description, const Read& read) {
   add_many(*app_, name, "", description, read);
 }
-void Form::module(std::string& into) {
-  word("MODULE", module_meaning, text(into));
-}
+void Form::module(std::string& into) { word("MODULE", module_meaning, text(into)); }
 void Form::axis(std::string& into) { word("AXIS", axis_meaning, text(into)); }
 void Form::option(const std::string& name, const std::string& value, const std::string& description,
                   const Read& read) {

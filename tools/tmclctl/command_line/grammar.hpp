@@ -33,6 +33,9 @@ class VerbForm : public Form {
   void object(Objection<T> objection, std::string hint = {});
   /// Such words need no gateway.
   void alone(bool (*when)(const T& said), RunAlone<T> run);
+  /// What it does where no gateway is reached.
+  void unreached(Result<ExitCode> (*run)(const T& said, const Error& error, const Where& where,
+                                         Output& output));
   /// Takes what stands behind "--".
   void command(std::vector<std::string>& into);
 
@@ -126,6 +129,20 @@ void VerbForm<T>::alone(bool (*when)(const T& said), RunAlone<T> run) {
   auto& said = grammar_->verbs_.at(&app()).said;
   said = [values = values_, when, run, on_gateway = std::move(said)] {
     return when(*values) ? Grammar::alone(*values, run) : on_gateway();
+  };
+}
+
+template <class T>
+void VerbForm<T>::unreached(Result<ExitCode> (*run)(const T&, const Error&, const Where&,
+                                                    Output&)) {
+  auto& said = grammar_->verbs_.at(&app()).said;
+  said = [values = values_, run, reached = std::move(said)] {
+    auto verb = reached();
+    verb.run_unreached = [said = *values, run](const Error& error, const Where& where,
+                                               Output& output) {
+      return run(said, error, where, output);
+    };
+    return verb;
   };
 }
 

@@ -46,6 +46,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"axis.start_home", "home --no-wait"},
     {"axis.stop_home", "home --stop"},
     {"axis.recover", "recover"},
+    {"doctor.examine", "doctor"},
     {"axis.get_errors", "errors"},
     {"axis.set_deadman", "deadman set"},
     {"axis.test_deadman", "deadman test"},

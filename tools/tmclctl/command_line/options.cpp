@@ -10,12 +10,8 @@
 #include <CLI/Formatter.hpp>
 
 #include "axis/arrival_wait.hpp"
+#include "completion.hpp"
 #include "grammar.hpp"
-#include "profile/generators.hpp"
-#include "profile/setup.hpp"
-#include "tmcl/command.hpp"
-#include "tmcl/parameter.hpp"
-#include "tmcl/plan/profile.hpp"
 #include "tmcl/spelling.hpp"
 #include "verbs/verbs.hpp"
 
@@ -102,6 +98,7 @@ class Parser {
   Result<std::variant<Options, Information>> help() const;
   void add_complete();
   Information complete() const;
+  std::variant<Options, Information> complete_line_of(const std::vector<std::string>& arguments);
   Error error_from(const CLI::ParseError& error) const;
   std::optional<Error> unknown_word() const;
   std::optional<Error> unknown_verb(const CLI::App& outer, const std::string& word) const;
@@ -159,6 +156,11 @@ Parser::Parser() {
                     "With --direct: full steps of a turn, for rev and rps (default 200)",
                     number(options_.where.full_steps, 1, tmcl::max_full_steps));
   app_.add_flag("--json", options_.json, "One JSON document on standard output, for errors too");
+  Form(app_).flag("--wide", "Do not cut tables to the width of the terminal", options_.tables.wide);
+  Form(app_).flag("--tsv", "Tables with a tab between their cells, for programs",
+                  options_.tables.tsv);
+  Form(app_).option("--columns", "NAMES", "Only these columns of tables, such as AXIS,STATE",
+                    list(options_.tables.columns));
   add_verbs(grammar_);
   add_help();
   add_complete();
@@ -212,67 +214,35 @@ std::vector<std::string> Parser::options_of(const CLI::App& app) const {
   return names;
 }
 
-/// The registers of a generator, as "v_max="; of one of them, the names of its values.
-std::vector<std::string> register_words(const std::vector<std::string>& names) {
-  const auto generators = profile::generators();
-  const auto generator =
-      std::ranges::find(generators, names.empty() ? "" : names[0], &profile::GeneratorInfo::name);
-  if (generator == generators.end()) return {};
-  std::vector<std::string> words;
-  if (names.size() == 1) {
-    for (const auto& info : generator->registers) words.push_back(fmt::format("{}=", info.name));
-    if (generator->clocked) words.push_back(fmt::format("{}=", profile::clock_name));
-    return words;
-  }
-  const auto index = tmcl::ramp::find_register(generator->registers, names[1]);
-  if (!index) return {};
-  const auto& of_values = generator->registers[*index].names;
-  words.assign(of_values.begin(), of_values.end());
-  std::erase(words, "");
-  return words;
-}
-
-/// What profile solve is told.
-std::vector<std::string> quantity_words() {
-  using tmcl::plan::Assumption;
-  std::vector<std::string> words;
-  for (const auto quantity : tmcl::plan::quantities)
-    words.push_back(fmt::format("{}=", name_of(quantity)));
-  for (const auto quantity : tmcl::plan::side_quantities)
-    words.push_back(fmt::format("{}=", name_of(quantity)));
-  for (const auto assumption : {Assumption::symmetric, Assumption::thirds})
-    words.emplace_back(name_of(assumption));
-  return words;
+/// One a line.
+Information lines_of(const std::vector<std::string>& words) {
+  return {words.empty() ? std::string{} : fmt::format("{}\n", fmt::join(words, "\n"))};
 }
 
 Information Parser::complete() const {
-  std::vector<std::string> words;
-  if (complete_.what == "verbs") words = verbs(complete_verb());
-  if (complete_.what == "options") {
-    words = options_of(app_);
-    for (auto& name : options_of(complete_verb())) {
-      if (std::ranges::find(words, name) == words.end()) words.push_back(std::move(name));
-    }
+  if (complete_.what == "verbs") return lines_of(verbs(complete_verb()));
+  if (complete_.what != "options") return lines_of(words_of_kind(complete_.what, complete_for_));
+  auto words = options_of(app_);
+  for (auto& name : options_of(complete_verb())) {
+    if (std::ranges::find(words, name) == words.end()) words.push_back(std::move(name));
   }
-  if (complete_.what == "parameters") {
-    for (const auto& model : tmcl::models()) {
-      for (const auto& row : tmcl::axis_parameters(model)) {
-        if (std::ranges::count(words, row.name) == 0) words.emplace_back(row.name);
-      }
-    }
-  }
-  if (complete_.what == "commands") {
-    for (const auto& row : tmcl::command_table()) words.emplace_back(row.name);
-  }
-  if (complete_.what == "models") {
-    for (const auto& model : tmcl::models()) words.emplace_back(model.name);
-  }
-  if (complete_.what == "generators") {
-    for (const auto& generator : profile::generators()) words.emplace_back(generator.name);
-  }
-  if (complete_.what == "quantities") words = quantity_words();
-  if (complete_.what == "registers") words = register_words(complete_for_);
-  return {words.empty() ? std::string{} : fmt::format("{}\n", fmt::join(words, "\n"))};
+  return lines_of(words);
+}
+
+/// "__complete line -- WORDS": what may stand where the last of these words is begun.
+std::variant<Options, Information> Parser::complete_line_of(
+    const std::vector<std::string>& arguments) {
+  constexpr std::size_t words_before = 3;
+  const std::vector<std::string> typed(
+      arguments.begin() + static_cast<std::ptrdiff_t>(std::min(words_before, arguments.size())),
+      arguments.end());
+  auto completion = complete_line(app_, typed, options_.where);
+  for (auto& word : completion.words) word = completion.prefix + word + completion.suffix;
+  if (completion.of_gateway.empty()) return lines_of(completion.words);
+  options_.verb.run = [completion](Context& context) {
+    return complete_by_gateway(completion, context);
+  };
+  return options_;
 }
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& candidates) {
@@ -412,6 +382,9 @@ std::vector<std::string> take_command(std::vector<std::string>& words) {
 
 Result<std::variant<Options, Information>> Parser::parse(
     const std::vector<std::string>& arguments) {
+  const auto is_line =
+      arguments.size() > 1 && arguments[0] == "__complete" && arguments[1] == "line";
+  if (is_line) return complete_line_of(arguments);
   auto words = arguments;
   auto command = take_command(words);
   try {
@@ -429,7 +402,11 @@ Result<std::variant<Options, Information>> Parser::parse(
   if (verb.get_name() == "help") return help();
   if (auto conflict = conflicting_options()) return tl::unexpected(*conflict);
   if (completes) {
-    options_.verb.run = [](Context& context) { return complete_axes(context); };
+    options_.verb.run = [](Context& context) {
+      Completion axes;
+      axes.of_gateway = "axes";
+      return complete_by_gateway(axes, context);
+    };
     return options_;
   }
   options_.verb = grammar_.said(verb, std::move(command));

@@ -15,6 +15,7 @@
 #include "exit_code.hpp"
 #include "plot/shown.hpp"
 #include "profile/ramp_export.hpp"
+#include "tmcl/command.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "verb_info.hpp"
 
@@ -87,7 +88,7 @@ struct Stop {
   bool all = false;
 };
 struct State {
-  std::string axis;
+  std::string axis;  ///< Empty: all.
   bool internal = false;
 };
 struct Watch {
@@ -110,8 +111,10 @@ struct Trace {
   std::string bus;                   ///< Empty: the only one.
   std::optional<std::int32_t> last;  ///< So many of those that went before, first.
   std::optional<double> for_s;
-  std::string file;  ///< Empty: none; "-": standard output.
-  std::string read;  ///< A file to show instead; empty: none.
+  std::string file;                 ///< Empty: none; "-": standard output.
+  std::string read;                 ///< A file to show instead; empty: none.
+  std::vector<tmcl::Command> only;  ///< Empty: all commands.
+  bool not_mine = false;            ///< Nothing that programs of this terminal have asked.
 };
 struct Plot {
   std::string axis;
@@ -302,6 +305,11 @@ struct Recover {
   std::string axis;
   bool all = false;
 };
+/// What keeps axes from moving.
+struct Doctor {
+  std::string what;  ///< An axis or a bus; empty: everything.
+  bool all = false;
+};
 /// What modules say is wrong.
 struct Errors {
   std::string axis;  ///< Empty: all there are.
@@ -351,8 +359,9 @@ struct Arrivals {
   std::optional<double> for_s;
 };
 struct Home {
-  std::string axis;
-  std::optional<std::int32_t> mode;
+  std::vector<std::string> axes;  ///< One after the other.
+  std::string axis;               ///< The one whose turn it is.
+  std::string mode;               ///< A number or a word; empty: as it is set.
   std::optional<double> timeout_s;
   std::string max_travel;  ///< Empty: as the configuration says.
   bool leave = false;
@@ -406,11 +415,14 @@ struct Verb {
   std::any said;                                       ///< One of namespace `verb`.
   std::function<Result<ExitCode>(Context&)> run;       ///< Empty where no gateway is needed.
   std::function<Result<ExitCode>(Output&)> run_alone;  ///< Empty where one is.
+  /// Instead of the error that no gateway is reached; empty: that is the end.
+  std::function<Result<ExitCode>(const Error&, const Where&, Output&)> run_unreached{};
 };
 
 struct Options {
   Where where;
   bool json = false;
+  TableStyle tables{};
   Verb verb;
   std::optional<VerbInfo> info;  ///< Nothing for what only the shell's completion asks.
 };

@@ -21,7 +21,7 @@ Error error_from(const std::string& file, const tmcl::TextProblems& problems, st
                  Output& output, const char* name) {
   auto failure = usage_error(
       name, fmt::format("{}{} problem{} in {}", problems.size() < most ? "" : "at least ",
-                                 problems.size(), problems.size() == 1 ? "" : "s", file));
+                        problems.size(), problems.size() == 1 ? "" : "s", file));
   boost::json::array list;
   for (const auto& problem : problems) {
     if (!output.json) output.err << describe(problem, file) << '\n';

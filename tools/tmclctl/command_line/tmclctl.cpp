@@ -61,6 +61,8 @@ Result<ExitCode> run_on_gateway(const Options& options, Output& output, Host& ho
   if (ready == nullptr) {
     const auto [wait, in_all] = patience_of(options);
     auto gateway = open_gateway(options.where, wait, host, in_all);
+    if (!gateway && options.verb.run_unreached)
+      return options.verb.run_unreached(gateway.error(), options.where, output);
     if (!gateway) return tl::unexpected(gateway.error());
     ready = &opened.emplace(std::move(*gateway));
   }
@@ -105,6 +107,7 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Hos
     return ExitCode::done;
   }
   const auto& options = std::get<Options>(*parsed);
+  output.tables = options.tables;
   const auto result = run(options, output, host, ready);
   if (result) return *result;
   auto error = result.error();

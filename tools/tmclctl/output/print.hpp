@@ -25,13 +25,23 @@ void warn(const Warnings& warnings, Output& output);
 /// Left-aligned columns under a line of headings.
 class Table {
  public:
-  explicit Table(std::vector<std::string> headings);
-  void add(std::vector<std::string> cells);
+  using Cells = std::vector<std::string>;
+
+  explicit Table(Cells headings);
+  /// `wrong`: in red where there are colours.
+  void add(Cells cells, bool wrong = false);
+  /// Whole, in plain text.
   void print(std::ostream& out) const;
+  /// As the command line wants it. On a terminal the widest column is cut to the width of that.
+  void print(Output& output) const;
 
  private:
-  std::vector<std::vector<std::string>> rows_;
+  std::vector<Cells> rows_;  ///< The headings first.
+  std::vector<bool> wrong_;
 };
+
+/// In red where the screen has colours.
+std::string alarming(std::string_view text, const Screen& screen);
 
 /// In the unit of the axis if it has one, or else, and where `internal`, as the module counts it.
 std::string position_text(const AxisReading& reading, bool internal);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <ostream>
+#include <string>
+#include <vector>
 
 namespace tmclctl {
 
@@ -18,6 +20,13 @@ struct Screen {
 /// What lies behind a descriptor, and what NO_COLOR, COLUMNS and the locale say.
 Screen screen_of(int descriptor);
 
+/// How tables are shown.
+struct TableStyle {
+  bool wide = false;  ///< Lines may be longer than the terminal.
+  bool tsv = false;   ///< For programs: a tab between two cells, and nothing is cut.
+  std::vector<std::string> columns{};  ///< These, in this order; empty: all.
+};
+
 /// Where a verb writes, and in which form.
 struct Output {
   std::ostream& out;
@@ -25,6 +34,7 @@ struct Output {
   Screen out_screen;
   Screen err_screen;
   bool json = false;
+  TableStyle tables{};
 };
 
 }  // namespace tmclctl

@@ -99,7 +99,7 @@ void print_ramps(const json::array& legs, const char* title, std::string_view pa
       table.add(std::move(cells));
     }
   }
-  table.print(output.out);
+  table.print(output);
 }
 
 }  // namespace

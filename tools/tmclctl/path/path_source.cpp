@@ -127,14 +127,14 @@ void print(const std::string& file, const Course& course, Output& output) {
   Table axes({"AXIS", "FROM", "TO", "TOP SPEED"});
   for (const auto& axis : course.axes)
     axes.add({axis.axis, figure(axis.least), figure(axis.greatest), figure(axis.top_speed)});
-  axes.print(output.out);
+  axes.print(output);
   if (course.slowest_corners.empty()) return;
   output.out << '\n';
   Table corners({"SLOWEST CORNER", "TIME", "SPEED"});
   for (const auto& corner : course.slowest_corners)
     corners.add({fmt::format("end of line {}", corner.line), figure(corner.time_s, 4) + " s",
                  figure(corner.speed)});
-  corners.print(output.out);
+  corners.print(output);
 }
 
 Result<void> draw(const std::string& svg_path, const std::string& file, const Course& course,

@@ -60,7 +60,7 @@ void print(const std::vector<Row>& rows, Output& output) {
                std::to_string(counters.late_replies), std::to_string(counters.garbage_bytes),
                std::to_string(counters.surplus), std::to_string(counters.suspect)});
   }
-  table.print(output.out);
+  table.print(output);
   for (const auto& row : rows) {
     if (row.bus.error)
       output.err << fmt::format("bus {} is not open: {}\n", row.bus.name, *row.bus.error);

@@ -72,7 +72,7 @@ Result<ExitCode> run(const verb::Models&, Output& output) {
   if (output.json) {
     print_json({{"models", std::move(array)}}, output);
   } else {
-    table.print(output.out);
+    table.print(output);
   }
   return ExitCode::done;
 }
@@ -94,7 +94,7 @@ Result<ExitCode> run_on_model(const verb::Params& verb, Output& output) {
   if (output.json) {
     print_json({{"model", (*model)->name}, {"parameters", std::move(array)}}, output);
   } else {
-    table.print(output.out);
+    table.print(output);
   }
   return ExitCode::done;
 }

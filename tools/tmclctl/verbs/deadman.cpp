@@ -11,6 +11,12 @@
 namespace tmclctl {
 namespace {
 
+/// The same, saying which axis it is about.
+boost::json::object about(const std::string& axis, boost::json::object document) {
+  document["axis"] = axis;
+  return document;
+}
+
 namespace api = tmcl::api;
 
 std::string text_of(const api::axis::TestedDeadman& tested) {
@@ -25,7 +31,7 @@ Result<ExitCode> run(const verb::SetDeadman& verb, Context& context) {
   const auto result = context.call(params);
   if (!result) return tl::unexpected(result.error());
   if (context.output.json) {
-    print_json(api::to_json(*result), context.output);
+    print_json(about(verb.axis, api::to_json(*result)), context.output);
   } else if (verb.ms == 0) {
     context.output.out << verb.axis << ": the deadman of its module is off\n";
   } else {
@@ -50,7 +56,7 @@ Result<ExitCode> run(const verb::TestDeadman& verb, Context& context) {
   if (!result) return tl::unexpected(result.error());
   const auto& tested = *result;
   if (context.output.json) {
-    print_json(api::to_json(tested), context.output);
+    print_json(about(verb.axis, api::to_json(tested)), context.output);
   } else {
     context.output.out << fmt::format("{}: {}; it has gone {} microsteps\n", verb.axis,
                                       text_of(tested), tested.way_microsteps);

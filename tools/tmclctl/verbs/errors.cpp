@@ -21,9 +21,10 @@ std::string measured(const std::optional<double>& value, std::string_view unit) 
 }
 
 void add_row(Table& table, const api::axis::Errors& errors) {
-  table.add({errors.axis, words(errors.flags), errors.stop_cause.value_or("-"),
-             words(errors.switches), measured(errors.supply_volts, "V"),
-             measured(errors.temperature_celsius, "deg C")});
+  table.add(
+      {errors.axis, words(errors.flags), errors.stop_cause.value_or("-"), words(errors.switches),
+       measured(errors.supply_volts, "V"), measured(errors.temperature_celsius, "deg C")},
+      !errors.flags.empty());
 }
 
 Result<ExitCode> run(const verb::Errors& verb, Context& context) {
@@ -55,7 +56,7 @@ Result<ExitCode> run(const verb::Errors& verb, Context& context) {
   if (context.output.json) {
     print_json({{"axes", std::move(all)}}, context.output);
   } else {
-    table.print(context.output.out);
+    table.print(context.output);
   }
   return exit;
 }

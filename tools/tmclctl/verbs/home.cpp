@@ -1,9 +1,15 @@
 // home.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "axis/arrival_wait.hpp"
 #include "output/print.hpp"
 #include "output/progress_line.hpp"
+#include "tmcl/api/parameter.hpp"
 #include "tmcl/api/system.hpp"
 
 namespace tmclctl {
@@ -67,9 +73,72 @@ Result<ExitCode> end_search(const verb::Home& verb, Context& context) {
   return ExitCode::done;
 }
 
+// ---- how it searches
+
+struct ModeWord {
+  std::string_view word;
+  std::int32_t mode;
+};
+/// Of parameter 193, as firmware manuals describe it. 64: the sides are exchanged.
+constexpr auto mode_words = std::to_array<ModeWord>({
+    {"left", 1},
+    {"right-left", 2},
+    {"right-left-both", 3},
+    {"left-both", 4},
+    {"home-negative", 5},
+    {"home-positive", 6},
+    {"home-positive-only", 7},
+    {"home-negative-only", 8},
+    {"right", 65},
+    {"left-right", 66},
+    {"left-right-both", 67},
+    {"right-both", 68},
+});
+/// On modules that have no more, 3 is another search.
+constexpr std::int32_t modes_of_old_firmware = 3;
+constexpr std::int32_t greatest_mode = 255;
+constexpr auto mode_parameter = "reference_search_mode";
+
+std::optional<std::int32_t> greatest_mode_of(const std::string& axis, Context& context) {
+  const auto listed = context.call(api::parameter::List{axis});
+  if (!listed) return std::nullopt;
+  const auto& rows = listed->parameters;
+  const auto row = std::ranges::find(rows, mode_parameter, &api::parameter::Parameter::name);
+  return row == rows.end() ? std::nullopt : std::optional(row->maximum);
+}
+
+/// Nothing: as it is set.
+Result<std::optional<std::int32_t>> mode_of(const verb::Home& verb, Context& context) {
+  using Mode = std::optional<std::int32_t>;
+  if (verb.mode.empty()) return Mode();
+  const auto word = std::ranges::find(mode_words, verb.mode, &ModeWord::word);
+  if (word == mode_words.end()) return Mode(std::atoi(verb.mode.c_str()));
+  const auto greatest = greatest_mode_of(verb.axis, context);
+  const bool is_old = greatest && *greatest <= modes_of_old_firmware;
+  if (!is_old || word->mode < modes_of_old_firmware) return Mode(word->mode);
+  return tl::unexpected(usage_error(
+      "out_of_range", fmt::format("the module of {} has no mode '{}'", verb.axis, verb.mode),
+      "it has left, right-left, and 3, which searches by all three switches"));
+}
+
+Reading read_mode(const std::string& text, std::string& into) {
+  into = text;
+  if (std::ranges::count(mode_words, text, &ModeWord::word) > 0) return {};
+  std::int32_t mode = 0;
+  if (number(mode, 1, greatest_mode)(text)) return {};
+  std::vector<std::string_view> words;
+  for (const auto& one : mode_words) words.push_back(one.word);
+  return tl::unexpected(
+      fmt::format("'{}' is no mode: a number 1..255, or one of {}", text, fmt::join(words, ", ")));
+}
+
+// ---- and ends
+
 Result<ExitCode> start_search(const verb::Home& verb, const Typed& travel, Context& context) {
+  const auto mode = mode_of(verb, context);
+  if (!mode) return tl::unexpected(mode.error());
   const auto started =
-      context.call(api::axis::StartHome{verb.axis, verb.mode, travel.counted(), travel.amount()});
+      context.call(api::axis::StartHome{verb.axis, *mode, travel.counted(), travel.amount()});
   if (!started) return tl::unexpected(started.error());
   warn(started->warnings, context.output);
   if (context.output.json) {
@@ -94,12 +163,14 @@ Result<api::axis::HomedAxis> search(const verb::Home& verb, api::axis::Home para
   return context.call(params);
 }
 
-Result<ExitCode> run(const verb::Home& verb, Context& context) {
+Result<ExitCode> run_on_axis(const verb::Home& verb, Context& context) {
   if (verb.stop) return end_search(verb, context);
   const Typed travel{verb.max_travel, verb.internal};
   if (verb.no_wait) return start_search(verb, travel, context);
+  const auto mode = mode_of(verb, context);
+  if (!mode) return tl::unexpected(mode.error());
   const auto homed =
-      search(verb, {verb.axis, verb.mode, {}, travel.counted(), travel.amount()}, context);
+      search(verb, {verb.axis, *mode, {}, travel.counted(), travel.amount()}, context);
   if (!homed) return tl::unexpected(explained(homed.error(), verb, context));
   warn(homed->warnings, context.output);
   if (context.output.json) {
@@ -110,7 +181,18 @@ Result<ExitCode> run(const verb::Home& verb, Context& context) {
   return ExitCode::done;
 }
 
-constexpr std::int32_t greatest_mode = 255;
+/// One axis after the other; the first that fails ends it.
+Result<ExitCode> run(const verb::Home& verb, Context& context) {
+  auto exit = ExitCode::done;
+  for (const auto& axis : verb.axes) {
+    auto one = verb;
+    one.axis = axis;
+    const auto done = run_on_axis(one, context);
+    if (!done) return done;
+    exit = std::max(exit, *done);
+  }
+  return exit;
+}
 
 constexpr const char* home_help = R"(
 Waits until the module says that its search has ended, unless --no-wait is given. Ctrl-C ends the
@@ -124,9 +206,16 @@ bounds it, and a warning says so. With --direct --no-wait nothing watches it whe
 
 --timeout stops the search, too; with --leave it goes on.
 
+--mode is a number (parameter 193) or a word: left (the left switch), right-left (the right one, then the
+left one), left-both (the middle of the left one), right-left-both, home-negative and home-positive (the
+home switch, turning at an end switch), home-negative-only and home-positive-only (without end switches);
+right, left-right, right-both and left-right-both are the same with the sides exchanged.
+
   tmclctl home x
   tmclctl home x --max-travel 120mm
+  tmclctl home z x y                             one after the other, in this order
   tmclctl home x --mode 5 --timeout 60
+  tmclctl home x --mode left
   tmclctl home x --stop
 )";
 
@@ -135,9 +224,10 @@ bounds it, and a warning says so. With --direct --no-wait nothing watches it whe
 void add_home(Grammar& grammar) {
   auto home = grammar.verb<verb::Home>("home", access::acts, "Search the reference position",
                                        home_help, run);
-  home.axis(home->axis);
-  home.option("--mode", "N", "Which switches are searched how (parameter 193)",
-              number(home->mode, 1, greatest_mode));
+  home.words("AXIS", axis_meaning, texts(home->axes));
+  auto& values = *home.operator->();
+  home.option("--mode", "MODE", "Which switches are searched how: a word, or parameter 193",
+              [&values](const std::string& said) { return read_mode(said, values.mode); });
   home.option("--max-travel", "WAY",
               "Stop the search where it goes further one way, such as 120mm or 3rev",
               text(home->max_travel));
@@ -148,8 +238,9 @@ void add_home(Grammar& grammar) {
   home.flag("--stop", "End a search", home->stop);
   home.internal(home->internal);
   home.object([](const verb::Home& said, bool) {
-    if (said.stop &&
-        (said.mode || said.timeout_s || said.no_wait || !said.max_travel.empty() || said.leave))
+    if (said.axes.empty()) return "name an axis";
+    if (said.stop && (!said.mode.empty() || said.timeout_s || said.no_wait ||
+                      !said.max_travel.empty() || said.leave))
       return "--stop goes with no other option";
     if (said.leave && !said.timeout_s)
       return "--leave says what becomes of the search after --timeout: give that, too";

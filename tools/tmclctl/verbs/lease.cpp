@@ -85,7 +85,7 @@ Result<ExitCode> run(const verb::Leases&, Context& context) {
                lease.holder, fmt::format("{:.1f} s", lease.since_s),
                fmt::format("{} ms", lease.expires_ms)});
   }
-  table.print(context.output.out);
+  table.print(context.output);
   return ExitCode::done;
 }
 

@@ -263,10 +263,37 @@ Result<ExitCode> run(const verb::Params& verb, Context& context) {
   return ExitCode::done;
 }
 
-Result<ExitCode> complete_axes(Context& context) {
-  const auto rows = axes_of(context);
-  if (!rows) return tl::unexpected(rows.error());
-  for (const auto& row : *rows) context.output.out << row.name << '\n';
+namespace {
+
+Result<std::vector<std::string>> names_of(const std::string& kind, Context& context) {
+  std::vector<std::string> names;
+  if (kind == "axes") {
+    const auto rows = axes_of(context);
+    if (!rows) return tl::unexpected(rows.error());
+    for (const auto& row : *rows) names.push_back(row.name);
+    return names;
+  }
+  const auto buses = context.call(tmcl::api::bus::List{});
+  if (!buses) return tl::unexpected(buses.error());
+  for (const auto& bus : buses->buses) names.push_back(bus.name);
+  if (kind == "buses") return names;
+  const bool needs_bus = names.size() > 1;
+  const auto modules = modules_of(context);
+  if (!modules) return tl::unexpected(modules.error());
+  names.clear();
+  for (const auto& module : *modules)
+    names.push_back(needs_bus ? fmt::format("{}:{}", module.bus, module.address)
+                              : std::to_string(module.address));
+  return names;
+}
+
+}  // namespace
+
+Result<ExitCode> complete_by_gateway(const Completion& completion, Context& context) {
+  const auto names = names_of(completion.of_gateway, context);
+  if (!names) return tl::unexpected(names.error());
+  for (const auto& name : *names)
+    context.output.out << completion.prefix << name << completion.suffix << '\n';
   return ExitCode::done;
 }
 

@@ -60,7 +60,7 @@ void print_table(const mint::DryRun& run, Output& output) {
                  seconds(profile.deceleration_time)});
     }
   }
-  table.print(output.out);
+  table.print(output);
 }
 
 Result<mint::DryRun> dry_run(const std::string& file, Output& output) {

@@ -137,7 +137,7 @@ void print(const api::path::Passed& report, StreamMode mode, Output& output) {
   for (const auto& axis : report.tracking_error)
     table.add({axis.axis, fmt::format("{:.4f}", axis.largest), fmt::format("{:.4f}", axis.rms),
                std::to_string(axis.readings)});
-  table.print(output.out);
+  table.print(output);
   output.out << fmt::format(
       "seen at most {:.4f} off the path, at {:.3f} s, and {:.1f} ms late on it\n", report.off_path,
       report.off_path_at_s, 1e3 * report.lag_s);
@@ -181,7 +181,7 @@ void print(const std::vector<api::path::Expected>& expected, Output& output) {
                mode.keeps_tolerance ? "kept" : "exceeded"});
   }
   output.out << '\n';
-  table.print(output.out);
+  table.print(output);
 }
 
 Result<ExitCode> run(const verb::RunPath& verb, Context& context) {

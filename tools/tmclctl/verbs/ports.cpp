@@ -55,7 +55,7 @@ Result<ExitCode> run(const verb::Ports&, Output& output) {
   } else if (ports.empty()) {
     output.err << "This computer has no serial port, and no module on USB that it can see.\n";
   } else {
-    table.print(output.out);
+    table.print(output);
   }
   return ExitCode::done;
 }

@@ -62,7 +62,7 @@ void print_table(const plan::Profile& profile, const profile::KnownValues& known
   for (const auto quantity : plan::side_quantities) {
     if (known.given[quantity] || profile[quantity] > 0) add(quantity);
   }
-  table.print(output.out);
+  table.print(output);
 }
 
 /// Speeding up, going on, slowing down.

@@ -129,7 +129,7 @@ void show(const Comparison& comparison, Output& output) {
     }
     table.add(std::move(cells));
   }
-  table.print(output.out);
+  table.print(output);
   if (!comparison.proposed) {
     if (has_load) output.out << "with none of them does the load come to rest\n";
     return;
@@ -330,7 +330,7 @@ void show_offline(const verb::Ramp& verb, const Ramp& ramp, const plan::RampWish
     table.add({row.parameter, std::to_string(row.number), std::to_string(row.value),
                row.held ? row.chip_register : "-", row.held ? std::to_string(*row.held) : "-"});
   }
-  table.print(output.out);
+  table.print(output);
   output.out << gives_text(verb, ramp) << "; nothing was written\n";
   std::string text;
   for (const auto& [of, share] : off)

@@ -148,7 +148,7 @@ Result<ExitCode> run(const verb::SettingsShow& verb, Context& context) {
                  {value_text(one), is_changed ? std::to_string(one.initial) : "", one.meaning});
     table.add(std::move(cells));
   }
-  table.print(context.output.out);
+  table.print(context.output);
   return ExitCode::done;
 }
 
@@ -183,7 +183,7 @@ void print(const std::vector<Row>& rows, const std::string& present, const std::
     cells.insert(cells.end(), {row.present, std::to_string(row.wanted)});
     table.add(std::move(cells));
   }
-  table.print(output.out);
+  table.print(output);
 }
 
 /// "1 setting", "2 settings"

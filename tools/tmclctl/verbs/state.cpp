@@ -1,5 +1,8 @@
 // state
+#include <algorithm>
+
 #include <fmt/format.h>
+#include <boost/json/array.hpp>
 
 #include "axis/scale_factors.hpp"
 #include "output/print.hpp"
@@ -23,7 +26,48 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
   }
 }
 
+// ---- all axes
+
+/// What a person should know of it, in a word or two.
+std::string remark_on(const AxisReading& reading) {
+  if (!reading.faults.empty()) return joined(reading.faults);
+  if (reading.latched) return "latched";
+  if (reading.moving) return "moving";
+  if (reading.stop_cause) return "stopped: " + *reading.stop_cause;
+  return reading.position_reached ? "at target" : "standing";
+}
+
+Result<ExitCode> run_on_all(const verb::State& verb, Context& context) {
+  const auto axes = axes_of(context);
+  if (!axes) return tl::unexpected(axes.error());
+  auto exit = ExitCode::done;
+  boost::json::array documents;
+  Table table({"AXIS", "POSITION", "TARGET", "VELOCITY", "STATE"});
+  for (const auto& axis : *axes) {
+    const auto reading = state_of(axis.name, context);
+    if (!reading) {
+      exit = std::max(exit, exit_code_of(reading.error()));
+      documents.push_back(
+          boost::json::object{{"axis", axis.name}, {"error", error_document(reading.error())}});
+      table.add({axis.name, "-", "-", "-", reading.error().message}, true);
+      continue;
+    }
+    documents.push_back(tmcl::api::to_json<tmcl::api::axis::State>(*reading));
+    table.add(
+        {axis.name, position_text(*reading, verb.internal), target_text(*reading, verb.internal),
+         velocity_text(*reading, verb.internal), remark_on(*reading)},
+        !reading->faults.empty() || reading->latched);
+  }
+  if (context.output.json) {
+    print_json({{"axes", std::move(documents)}}, context.output);
+  } else {
+    table.print(context.output);
+  }
+  return exit;
+}
+
 Result<ExitCode> run(const verb::State& verb, Context& context) {
+  if (verb.axis.empty()) return run_on_all(verb, context);
   const auto reading = state_of(verb.axis, context);
   if (!reading) return tl::unexpected(reading.error());
   const auto factors = scale_factors_of(verb.axis, reading->position.has_value(), context);
@@ -62,6 +106,7 @@ Result<ExitCode> run(const verb::State& verb, Context& context) {
 constexpr const char* state_help = R"(
 Of an axis with a unit it also says how many microsteps, and counts of its encoder, a unit is.
 
+  tmclctl state                                  all axes, a line each
   tmclctl state x
   tmclctl --json state x                         with every value in both units
 )";
@@ -71,7 +116,7 @@ Of an axis with a unit it also says how many microsteps, and counts of its encod
 void add_state(Grammar& grammar) {
   auto state = grammar.verb<verb::State>("state", access::reads,
                                          "Show where an axis is and what it does", state_help, run);
-  state.axis(state->axis);
+  state.optional_word("AXIS", axis_meaning, text(state->axis));
   state.internal(state->internal);
 }
 

@@ -33,7 +33,7 @@ Result<ExitCode> run(const verb::Tokens&, Context& context) {
   }
   Table table({"TOKEN", "ROLE", "MADE"});
   for (const auto& token : all->tokens) table.add({token.name, token.role, token.made});
-  table.print(context.output.out);
+  table.print(context.output);
   return ExitCode::done;
 }
 

@@ -1,6 +1,10 @@
 // trace
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
+#include <map>
+
+#include <unistd.h>
 
 #include <fmt/format.h>
 
@@ -62,10 +66,49 @@ void print(const TracedDatagram& datagram, Output& output) {
   print_json(document, output);
 }
 
+/// "process 4711" or "tmclctl (process 4711)": 4711; 0 where no process is named.
+pid_t process_in(const std::string& client) {
+  constexpr std::string_view before = "process ";
+  const auto begin = client.find(before);
+  return begin == std::string::npos ? 0 : std::atoi(client.c_str() + begin + before.size());
+}
+
+/// Of the programs that were started in the terminal that this one was.
+bool is_of_this_terminal(const std::string& client) {
+  const auto process = process_in(client);
+  return process > 0 && ::getsid(process) == ::getsid(0);
+}
+
+/// Which datagrams are shown.
+class Filter {
+ public:
+  explicit Filter(const verb::Trace& verb) : only_(verb.only), not_mine_(verb.not_mine) {}
+
+  bool lets_through(const TracedDatagram& datagram) {
+    if (not_mine_ && is_mine(datagram.client)) return false;
+    if (only_.empty()) return true;
+    const auto command = command_of(datagram);
+    return command && std::ranges::count(only_, *command) > 0;
+  }
+
+ private:
+  bool is_mine(const std::string& client) {
+    if (client.empty()) return false;
+    const auto [known, is_new] = mine_.try_emplace(client, false);
+    // Remembered: a program may have ended by the time of its last answer.
+    if (is_new) known->second = is_of_this_terminal(client);
+    return known->second;
+  }
+
+  std::vector<tmcl::Command> only_;
+  bool not_mine_;
+  std::map<std::string, bool> mine_;
+};
+
 /// Where datagrams go: lines, documents, or a file for Wireshark.
 class Sink {
  public:
-  explicit Sink(Output& output) : output_(output) {}
+  Sink(const verb::Trace& verb, Output& output) : filter_(verb), output_(output) {}
 
   /// An empty path: lines or documents; "-": as a file, on standard output.
   Result<void> open(const std::string& path, const std::string& bus) {
@@ -76,6 +119,7 @@ class Sink {
     return flush();
   }
   void put(const TracedDatagram& datagram) {
+    if (!filter_.lets_through(datagram)) return;
     ++count_;
     if (path_.empty()) return print(datagram, output_);
     stream() << tmcl::trace_file_packet(datagram);
@@ -95,6 +139,7 @@ class Sink {
  private:
   std::ostream& stream() { return path_.empty() || path_ == "-" ? output_.out : file_; }
 
+  Filter filter_;
   Output& output_;
   std::string path_;
   std::ofstream file_;
@@ -149,7 +194,7 @@ Result<ExitCode> run(const verb::Trace& verb, Context& context) {
   if (!bus) return tl::unexpected(bus.error());
   const auto before = context.call(api::bus::Trace{*bus, std::nullopt, verb.last.value_or(1)});
   if (!before) return tl::unexpected(before.error());
-  Sink sink(context.output);
+  Sink sink(verb, context.output);
   if (const auto opened = sink.open(verb.file, *bus); !opened)
     return tl::unexpected(opened.error());
   if (verb.last)
@@ -166,8 +211,22 @@ Result<ExitCode> run_on_file(const verb::Trace& verb, Output& output) {
     return tl::unexpected(
         usage_error("bad_trace", trace.error(), "'tmclctl trace BUS -w FILE' writes such files"));
   }
-  for (const auto& datagram : trace->datagrams) print(datagram, output);
+  Filter filter(verb);
+  for (const auto& datagram : trace->datagrams)
+    if (filter.lets_through(datagram)) print(datagram, output);
   return ExitCode::done;
+}
+
+/// "MVP,MST"
+Reading read_commands(const std::string& text, std::vector<tmcl::Command>& into) {
+  std::vector<std::string> names;
+  if (auto read = list(names)(text); !read) return read;
+  for (const auto& name : names) {
+    const auto command = tmcl::parse_command(name);
+    if (!command) return tl::unexpected("there is no command '" + name + "', such as MVP or MST");
+    into.push_back(*command);
+  }
+  return {};
 }
 
 // Of what bus.trace gives at once.
@@ -188,6 +247,7 @@ virtual modules the same. Ctrl-C ends it (exit code 0).
   tmclctl trace bench --last 200 --for 0.1
   tmclctl trace bench -w bench.pcapng --for 60
   tmclctl trace --read bench.pcapng
+  tmclctl trace bench --only MVP,MST --not-mine
   tmclctl trace bench -w -                     for a pipe: | wireshark -k -i -
 )";
 
@@ -205,6 +265,10 @@ void add_trace(Grammar& grammar) {
   trace.option("-w,--write", "FILE", "Write a file for Wireshark instead; '-': to standard output",
                text(trace->file));
   trace.option("-r,--read", "FILE", "Show what is in such a file", text(trace->read));
+  auto& values = *trace.operator->();
+  trace.option("--only", "COMMANDS", "Only these, with their answers, such as MVP,MST",
+               [&values](const std::string& text) { return read_commands(text, values.only); });
+  trace.flag("--not-mine", "Nothing that programs of this terminal have asked", trace->not_mine);
   trace.alone([](const verb::Trace& said) { return !said.read.empty(); }, run_on_file);
   trace.object(
       [](const verb::Trace& said, bool) {

@@ -22,6 +22,7 @@ void add_verbs(Grammar& grammar) {
   add_home(grammar);
   add_recover(grammar);
   add_errors(grammar);
+  add_doctor(grammar);
   add_deadman(grammar);
   add_tokens(grammar);
   add_verify(grammar);

@@ -5,6 +5,7 @@
 #include "axis/module_lists.hpp"
 #include "axis/readings.hpp"
 #include "axis/typed.hpp"
+#include "command_line/completion.hpp"
 #include "command_line/grammar.hpp"
 #include "connection/gateway.hpp"
 
@@ -32,6 +33,7 @@ void add_capture(Grammar& grammar);
 void add_home(Grammar& grammar);
 void add_recover(Grammar& grammar);
 void add_errors(Grammar& grammar);
+void add_doctor(Grammar& grammar);
 void add_deadman(Grammar& grammar);
 void add_tokens(Grammar& grammar);
 void add_verify(Grammar& grammar);
@@ -64,7 +66,7 @@ std::string objection_to(const verb::OfflineAxis& axis);
 
 /// The parameters of a model that need not be there.
 Result<ExitCode> run_on_model(const verb::Params& verb, Output& output);
-/// Prints the names of axes, one a line, for the shell's completion.
-Result<ExitCode> complete_axes(Context& context);
+/// Prints what the gateway has of a kind, one a line, for the shell's completion.
+Result<ExitCode> complete_by_gateway(const Completion& completion, Context& context);
 
 }  // namespace tmclctl

@@ -54,7 +54,7 @@ void print(const api::axis::Verified& found, Output& output) {
     if (trait.measured) ++measured;
     if (trait.measured && !is_as_foreseen(trait)) ++others;
   }
-  table.print(output.out);
+  table.print(output);
   output.out << fmt::format(
       "{} of {} traits measured; {}\n", measured, found.traits.size(),
       others == 0 ? "the module is as its twin" : fmt::format("{} not as foreseen", others));

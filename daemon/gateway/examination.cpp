@@ -1,0 +1,308 @@
+#include "gateway/examination.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "gateway/gateway.hpp"
+#include "gateway/module/module_settings.hpp"
+#include "gateway/standing_stop.hpp"
+#include "tmcl/program_verbs.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using tmcl::Check;
+
+/// Of a subject.
+class Notes {
+ public:
+  Notes(Findings& findings, std::string subject)
+      : findings_(findings), subject_(std::move(subject)) {}
+
+  void note(Check check, bool wrong, std::string text) {
+    findings_.push_back({check, subject_, wrong, std::move(text)});
+  }
+  void wrong(Check check, std::string text) { note(check, true, std::move(text)); }
+  void fine(Check check, std::string text) { note(check, false, std::move(text)); }
+
+ private:
+  Findings& findings_;
+  std::string subject_;
+};
+
+// ---- tmcld itself -------------------------------------------------------------------------------
+
+/// Before tmcld was written.
+constexpr std::chrono::sys_days earliest = std::chrono::year{2024} / 1 / 1;
+
+void look_at_clock(const tmcl::ContextClock& clock, Notes notes) {
+  const bool wrong = clock.utc_of(clock.now()) < earliest;
+  notes.note(Check::clock, wrong,
+             wrong ? "it is years behind" : "it is right, as far as can be seen");
+}
+
+void look_at_stalls(const Gateway& gateway, Notes notes) {
+  const auto longest = gateway.gaps().duration();
+  if (longest == tmcl::Duration{}) return notes.fine(Check::stalls, "it did not stand still");
+  notes.wrong(Check::stalls,
+              fmt::format("it stood still for {:.1f} s: what was asked for before was refused",
+                          std::chrono::duration<double>(longest).count()));
+}
+
+awaitable<void> look_at_journal(const Examined& what, Notes notes) {
+  if (what.axes.empty()) co_return;
+  const auto failure = co_await what.axes.front()->enter_journal();
+  notes.note(Check::journal, !failure.empty(), failure.empty() ? "it is" : failure);
+}
+
+// ---- a bus --------------------------------------------------------------------------------------
+
+/// One in a hundred that is lost shows mostly.
+constexpr int probes = 100;
+
+void look_at_link(const GatewayBus& bus, Notes notes) {
+  const bool is_open = bus.state() == GatewayBus::State::open;
+  notes.note(Check::bus, !is_open,
+             is_open ? "it is open: " + to_string(bus.config().link)
+                     : fmt::format("it is {}: {}", name_of(bus.state()), bus.error()));
+}
+
+/// Since `before`: a scan of all addresses had its time-outs, too.
+void look_at_traffic(const GatewayBus& bus, const tmcl::BusCounters& before, Notes notes) {
+  const auto now = bus.counters();
+  const auto lost = now.timeouts - before.timeouts;
+  notes.note(Check::replies, lost > 0,
+             fmt::format("{} of {} were not, just now", lost, now.requests - before.requests));
+  const auto garbage = now.garbage_bytes - before.garbage_bytes;
+  notes.note(Check::noise, garbage > 0,
+             garbage > 0 ? fmt::format("{} came just now", garbage)
+                         : fmt::format("none just now, {} since it was opened", now.garbage_bytes));
+}
+
+// ---- a module -----------------------------------------------------------------------------------
+
+template <class T>
+awaitable<std::optional<T>> ask(GatewayBus& bus, tmcl::Script<tmcl::Result<T>> script,
+                                std::uint64_t client) {
+  auto result = co_await bus.run(std::move(script), asked_by(client));
+  if (!result) co_return std::nullopt;
+  co_return *std::move(result);
+}
+
+void look_at_deadman(const GatewayModule& module, Notes& notes) {
+  const auto& deadman = module.deadman();
+  const auto set = deadman.set_ms();
+  if (deadman.wanted_ms() && set && *set != *deadman.wanted_ms())
+    return notes.wrong(Check::deadman, fmt::format("it is set to {} ms, and configured as {} ms",
+                                                   *set, *deadman.wanted_ms()));
+  if (deadman.is_set() && deadman.stops_after_ms() == 0)
+    return notes.wrong(Check::deadman, "it is set, and a test has found that it does not work");
+  notes.fine(Check::deadman, !set               ? "it is not known"
+                             : deadman.is_set() ? fmt::format("it is set to {} ms", *set)
+                                                : "it is off");
+}
+
+awaitable<void> look_at_program(GatewayBus& bus, tmcl::ModuleAddress address, std::uint64_t client,
+                                Notes& notes) {
+  const auto status = co_await ask(bus, tmcl::verbs::program_status(address), client);
+  if (!status) co_return;
+  const bool runs = status->state == tmcl::ProgramStatus::State::running;
+  notes.note(Check::program, runs,
+             runs ? "one runs, and may move its motors by itself" : "none runs");
+}
+
+void look_at_settings(const GatewayModule& module, Notes& notes) {
+  const auto& config = module.settings_config();
+  const auto& drift = module.drift();
+  if (!config.wanted || !drift) return;
+  if (drift->empty()) return notes.fine(Check::settings, "it has those of " + config.file);
+  notes.wrong(Check::settings,
+              fmt::format("{} differ from {}, such as: {}", drift->size(), config.file,
+                          describe(drift->front(), *config.wanted->model)));
+}
+
+/// Asks again and again, to see how many answers get lost.
+awaitable<void> probe(GatewayBus& bus, tmcl::ModuleAddress address, std::uint64_t client) {
+  const tmcl::AxisAddress motor{address, 0};
+  for (int i = 0; i < probes; ++i)
+    co_await ask(bus, tmcl::verbs::get(motor, tmcl::axis_parameter::actual_position), client);
+}
+
+/// False if it does not answer.
+awaitable<bool> look_at_module(GatewayBus& bus, GatewayModule& module, std::uint64_t client,
+                               Notes notes) {
+  const auto ready = co_await module.be_ready();
+  if (!ready) {
+    notes.wrong(Check::module, ready.error().message);
+    co_return false;
+  }
+  const auto* model = module.model();
+  const auto firmware = to_string(module.identity()->version);
+  notes.fine(Check::module, "it answers, with firmware " + firmware);
+  const bool doubled = module.duplicate_suspected();
+  notes.note(Check::address, doubled,
+             doubled ? "more replies come than requests: two modules may have it" : "it has");
+  notes.note(Check::model, model == nullptr,
+             model == nullptr ? fmt::format("model {} is not", module.identity()->version.model)
+                              : "it is a " + std::string(model->name));
+  co_await look_at_program(bus, module.address(), client, notes);
+  const bool watched = module.sentinel().watches();
+  notes.fine(Check::restart, watched ? "by its " + module.sentinel().name() : "not always");
+  look_at_settings(module, notes);
+  look_at_deadman(module, notes);
+  co_return true;
+}
+
+// ---- an axis ------------------------------------------------------------------------------------
+
+std::string joined(const Faults& names) {
+  std::string text;
+  for (const auto name : names) text += (text.empty() ? "" : ", ") + std::string(name);
+  return text;
+}
+
+bool is_of_supply(std::string_view fault) {
+  return fault == "undervoltage" || fault == "overvoltage";
+}
+bool is_of_temperature(std::string_view fault) { return fault.starts_with("overtemperature"); }
+
+void look_at_driver(const FaultReport& report, Notes& notes) {
+  Faults supply;
+  Faults temperature;
+  Faults driver;
+  for (const auto fault : report.driver_faults())
+    (is_of_supply(fault)        ? supply
+     : is_of_temperature(fault) ? temperature
+                                : driver)
+        .push_back(fault);
+  const auto volts = report.supply_volts ? fmt::format("{:.1f} V", *report.supply_volts) : "";
+  notes.note(Check::supply, !supply.empty(),
+             supply.empty() ? (volts.empty() ? "its module does not tell" : volts)
+                            : joined(supply) + (volts.empty() ? "" : ": " + volts));
+  notes.note(Check::temperature, !temperature.empty(),
+             temperature.empty()          ? "it reports nothing"
+             : report.temperature_celsius ? fmt::format("{} at {:.0f} deg C", joined(temperature),
+                                                        *report.temperature_celsius)
+                                          : joined(temperature));
+  notes.note(Check::driver, !driver.empty(),
+             driver.empty() ? "it reports nothing" : joined(driver));
+}
+
+void look_at_switches(const FaultReport& report, Notes& notes) {
+  const bool left = report.has_switch("left");
+  const bool right = report.has_switch("right");
+  notes.note(Check::switches, left && right,
+             left && right ? "both are closed"
+             : left        ? "the left one is closed"
+             : right       ? "the right one is closed"
+                           : "both are open");
+}
+
+/// A parameter without which no move begins.
+awaitable<void> look_at_value(GatewayAxis& axis, Check check, std::string_view name,
+                              std::uint64_t client, Notes& notes) {
+  const auto* row = find_parameter(axis.parameters(), name);
+  if (row == nullptr) co_return;
+  const auto value =
+      co_await ask(axis.bus(), tmcl::verbs::get(axis.address(), row->number), client);
+  if (value) notes.note(check, *value == 0, fmt::format("{} is {}", name, *value));
+}
+
+awaitable<void> look_at_resolution(GatewayAxis& axis, std::uint64_t client, Notes& notes) {
+  const auto wanted = axis.microstep_resolution();
+  if (!wanted) co_return;
+  const auto value = co_await ask(
+      axis.bus(), tmcl::verbs::get(axis.address(), tmcl::axis_parameter::microstep_resolution),
+      client);
+  if (value)
+    notes.note(Check::resolution, *value != *wanted,
+               fmt::format("it counts {} of a full step, the configuration {}", 1 << (*value & 15),
+                           1 << *wanted));
+}
+
+void look_at_right_to_move(const GatewayAxis& axis, Notes& notes) {
+  const auto latched = axis.latched();
+  notes.note(Check::latch, latched.has_value(), latched ? latched->message : "it is");
+  if (axis.needs_reference())
+    notes.note(Check::reference, !axis.is_referenced(),
+               axis.is_referenced() ? "it has" : "it has not, and is sent to no position");
+  if (const auto unrestored = unrestored_of(axis); !unrestored.empty())
+    notes.wrong(Check::restored, fmt::format("{} are not set back, such as {}", unrestored.size(),
+                                             unrestored.front().parameter));
+}
+
+awaitable<void> look_at_place(GatewayAxis& axis, std::uint64_t client, Notes& notes) {
+  const auto reading = co_await axis.read_state({}, client);
+  if (!reading) co_return;
+  const auto& state = reading->state;
+  const auto scale = co_await axis.scale();
+  if (const auto& limits = axis.soft_limits(); limits && scale) {
+    auto beyond = tmcl::beyond(*limits, state.position, scale->value_or(tmcl::microsteps_scale()));
+    if (beyond && beyond->unit.empty()) beyond->unit = "microsteps";
+    notes.note(Check::limits, beyond.has_value(), beyond ? describe(*beyond) : "it is");
+  }
+  const auto cause = axis.stop_cause();
+  const bool stopped = state.velocity.value == 0 && !state.position_reached && cause.has_value();
+  notes.note(Check::stop, stopped,
+             stopped                     ? fmt::format("it was stopped by: {}", name_of(*cause))
+             : state.velocity.value != 0 ? "it moves"
+                                         : "it stands");
+}
+
+awaitable<void> look_at_axis(GatewayAxis& axis, std::uint64_t client, Notes notes) {
+  const auto* model = axis.module().model();
+  if (model != nullptr && axis.address().motor >= model->axes) {
+    notes.wrong(Check::motor,
+                fmt::format("a {} has the motors 0 to {}", model->name, model->axes - 1));
+    co_return;
+  }
+  const auto report = co_await axis.read_faults(client);
+  if (report) look_at_driver(*report, notes);
+  co_await look_at_value(axis, Check::current, "max_current", client, notes);
+  co_await look_at_value(axis, Check::velocity, "max_velocity", client, notes);
+  co_await look_at_value(axis, Check::acceleration, "max_acceleration", client, notes);
+  co_await look_at_resolution(axis, client, notes);
+  look_at_right_to_move(axis, notes);
+  co_await look_at_place(axis, client, notes);
+  if (report) look_at_switches(*report, notes);
+}
+
+}  // namespace
+
+awaitable<Findings> examine(std::shared_ptr<Gateway> gateway, Examined what) {
+  Findings findings;
+  look_at_clock(gateway->clock(), {findings, {}});
+  look_at_stalls(*gateway, {findings, {}});
+  co_await look_at_journal(what, {findings, {}});
+  for (const auto& bus : what.buses) {
+    look_at_link(*bus, {findings, bus->name()});
+    if (bus->state() != GatewayBus::State::open) continue;
+    const auto before = bus->counters();
+    std::vector<tmcl::ModuleAddress> addresses;
+    for (const auto& axis : what.axes)
+      if (&axis->bus() == bus.get() && std::ranges::count(addresses, axis->address().module) == 0)
+        addresses.push_back(axis->address().module);
+    for (const auto address : addresses) {
+      auto name = fmt::format("{}:{}", bus->name(), number(address));
+      const bool answers = co_await look_at_module(*bus, bus->add_module(address), what.client,
+                                                   {findings, std::move(name)});
+      if (!answers) continue;
+      co_await probe(*bus, address, what.client);
+      for (const auto& axis : what.axes)
+        if (&axis->bus() == bus.get() && axis->address().module == address)
+          co_await look_at_axis(*axis, what.client, {findings, axis->name()});
+    }
+    look_at_traffic(*bus, before, {findings, bus->name()});
+  }
+  std::ranges::stable_sort(findings, {}, &tmcl::Finding::check);
+  co_return findings;
+}
+
+}  // namespace tmcld
