@@ -1,8 +1,10 @@
 """Both faces against a daemon that fails at every step."""
 
 import asyncio
+import errno
 import os
 import pathlib
+import re
 import signal
 import tempfile
 import threading
@@ -11,7 +13,7 @@ from unittest import mock
 
 import tmcl
 import tmcl.connection
-import tmcl.link
+import tmcl.systems
 from fake_daemon import HANG_UP, SILENCE, STATE, FakeDaemon, FakeWebDaemon, error, tls_context
 
 MOVED = {"target_microsteps": 5, "unit": "mm", "target": 12.5, "predicted_s": 0.5, "warnings": []}
@@ -35,7 +37,7 @@ class ConnectionTest(unittest.TestCase):
     # ---- who may connect ----
 
     def test_only_a_group_that_is_made_for_sharing_is_to_be_joined(self):
-        join = tmcl.link.access_hint
+        join = tmcl.systems.access_hint
         self.assertIn("'sudo adduser $USER lab'", join("anna", "lab", 1004))
         self.assertIn("'sudo adduser $USER tmcl'", join("tmcld", "tmcl", 998))
         for user, group, number in (("root", "root", 0), ("anna", "disk", 6), ("anna", "anna", 1000)):
@@ -44,6 +46,19 @@ class ConnectionTest(unittest.TestCase):
                 self.assertIn(f"user '{user}' and group '{group}'", hint)
                 self.assertNotIn(f"$USER {group}'", hint)
                 self.assertIn("'sudo addgroup tmcl'", hint)
+
+    def test_who_may_not_connect_is_told_what_tmclctl_tells(self):
+        root = pathlib.Path(__file__).parents[2]
+        source = (root / "libtmcl/src/client/socket_hints.cpp").read_text()
+        told = "".join(re.findall(r'"((?:[^"\\\n]|\\.)*)"', source)).replace('\\"', '"')
+        hints = [tmcl.systems.access_hint("{}", "{}", 0),
+                 tmcl.systems.access_hint("anna", "{}", 1004).replace("anna", "{}")]
+        hints += [tmcl.systems.hint_for(OSError(number, ""), "/nowhere/socket")
+                  for number in (errno.EACCES, errno.EAGAIN, errno.ENOENT)]
+        for hint in hints:
+            with self.subTest(hint):  # tmclctl begins it with a capital letter
+                text = hint.replace("The socket is for user '{}' and group '{}'", "{}")
+                self.assertIn(text.lower(), told.lower())
 
     # ---- what is said ----
 
@@ -70,6 +85,25 @@ class ConnectionTest(unittest.TestCase):
         wrong = self.failure(lambda: d.x.position)
         self.assertEqual((wrong.name, wrong.outcome), ("no_unit", "not_sent"))
         self.assertEqual(d.x.state().position_microsteps, 0)
+
+    def test_values_in_a_unit_are_floats_also_where_they_are_whole(self):
+        whole = {**STATE, "position": 5, "velocity": 0, "target": 5}
+        self.daemon.answers |= {
+            "axis.get_state": whole, "axis.wait": {"position_microsteps": 5, "position": 5},
+            "axis.move_to": {**MOVED, "target": 5, "predicted_s": 1},
+            "axis.rotate": {"velocity_internal": 5, "velocity": 5},
+            "subscribe": {"subscription": 3, "failed": [], "states": [whole]}}
+
+        async def by_asyncio():
+            async with await tmcl.aio.connect(self.daemon.path) as d:
+                return await d.x.position()
+
+        d = self.connect()
+        moved, seen = d.x.move(5), next(d.watch("x"))
+        values = (d.x.position, d.x.velocity, d.x.target, d.x.wait().position, moved.target,
+                  moved.predicted_s, d.x.rotate(5).velocity, seen.position, seen.velocity,
+                  seen.target, asyncio.run(by_asyncio()))
+        self.assertEqual({type(value) for value in values}, {float})
 
     def test_what_a_newer_daemon_says_besides_does_no_harm(self):
         self.daemon.answers["axis.get_state"] = {**STATE, "temperament": "mild"}
@@ -175,7 +209,7 @@ class ConnectionTest(unittest.TestCase):
             wrong = self.failure(tmcl.connect, "/nowhere/tmcld.sock")
         self.assertIsInstance(wrong, tmcl.NotConnected)
         self.assertIn("/nowhere/tmcld.sock: No such file or directory", str(wrong))
-        self.assertIn("is tmcld running?", wrong.hint)
+        self.assertIn("Is tmcld running?", wrong.hint)
 
     def test_after_close_nothing_is_sent(self):
         d = self.connect()

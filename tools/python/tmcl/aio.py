@@ -236,7 +236,7 @@ def in_unit(axis: str, value: float | None) -> float:
             f"axis '{axis}' has no unit",
             name="no_unit",
             outcome=NOT_SENT,
-            hint="state() has it in microsteps; 'unit' in tmcld.toml gives the axis one",
+            hint="In microsteps state() has it; 'unit' in tmcld.toml gives the axis one",
         )
     return value
 
@@ -370,7 +370,7 @@ class Lease:
                 f"the lease of {', '.join(sorted(self.axes))} is lost: {why}",
                 name="lease_lost",
                 outcome=NOT_SENT,
-                hint="its axes were told to stop; look at them, and take it anew",
+                hint="Its axes were told to stop; look at them, and take it anew",
             )
 
 

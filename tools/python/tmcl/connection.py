@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from .engine import Answer, Engine, Failure, Hello, Message, Notification
 from .errors import NOT_SENT, ConnectionLost, Error, NotConnected, garbage
-from .forks import check_process
 from .link import OPENING_S, READ_BYTES, Link, OpenLink
 from .methods import EFFECTS, WatchedState
+from .systems import check_process
 
 #: When the daemon has said nothing for so long while a call waits, it is asked something easy;
 #: when that is not answered either, the connection counts as lost.
@@ -328,7 +328,7 @@ class Connection:
                 f"no connection within {OPENING_S:.0f} s",
                 name="not_connected",
                 outcome=NOT_SENT,
-                hint="is the gateway switched on, and its port open?",
+                hint="Is the gateway switched on, and its port open?",
             ) from None
         live = Live(link, self._silence_s)
         await live.greeting()

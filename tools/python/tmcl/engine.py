@@ -79,7 +79,7 @@ class Engine:
         except (TypeError, ValueError) as wrong:
             raise _not_sent("bad_argument", f"{method}: {wrong}") from wrong
         if len(message) > MOST_BYTES_TO_DAEMON:
-            hint = "path.stage and firmware.stage take long files in parts"
+            hint = "gateway.rpc.path_stage() and gateway.rpc.firmware_stage() take long files in parts"
             raise _not_sent("line_too_long", f"{method}: {len(message)} bytes are too many", hint)
         counts = method not in UNCOUNTED and EFFECTS.get(method) != "stops"
         if counts and len(self._waiting) >= MOST_CALLS:
@@ -105,7 +105,7 @@ class Engine:
                 f"{method}: {why}",
                 name="connection_lost",
                 outcome=UNKNOWN,
-                hint="it may have been executed: look at the state before you call it again",
+                hint="It may have been executed: look at the state before you call it again",
             )
             for number, method in self._waiting.items()
         }

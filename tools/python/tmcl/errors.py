@@ -81,5 +81,5 @@ def garbage(what: str) -> ProtocolError:
         what,
         name="garbage",
         outcome=UNKNOWN,
-        hint="is it a tmcld that listens there?",
+        hint="Is it a tmcld that listens there?",
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import errno
 import os
 import ssl
 import urllib.parse
@@ -13,16 +12,13 @@ from pathlib import Path
 
 from .engine import Framing
 from .errors import NOT_SENT, NotConnected
-from .forks import keep_to_this_process
 from .lines import Lines
+from .systems import keep_to_this_process, open_socket
 from .websocket import WebSocket
 
 DEFAULT_SOCKET = "/run/tmcld/tmcld.sock"
 DEFAULT_PORT = 4143
 READ_BYTES = 65_536
-#: Debian's policy: groups below are the system's, but for the one that the package of tmcld makes.
-FIRST_OWN_GROUP = 1000
-PACKAGED_GROUP = "tmcl"
 #: So long the other end may take to accept, to shake hands and to greet.
 OPENING_S = 10.0
 
@@ -60,6 +56,10 @@ def way_to(
     return lambda: _open_websocket(url, token, context)
 
 
+async def _open_unix(path: str) -> Link:
+    return Link(path, *await open_socket(path), Lines())
+
+
 def _not_connected(name: str, message: str, hint: str | None = None) -> NotConnected:
     return NotConnected(message, name=name, outcome=NOT_SENT, hint=hint)
 
@@ -74,44 +74,6 @@ def _token_in(file: str | os.PathLike[str]) -> str:
     return token
 
 
-async def _open_unix(path: str) -> Link:
-    try:
-        reader, writer = await asyncio.open_unix_connection(path)
-    except OSError as wrong:
-        raise _unix_error(path, wrong) from wrong
-    return Link(path, reader, writer, Lines())
-
-
-def _unix_error(path: str, wrong: OSError) -> NotConnected:
-    hint = "is tmcld running? its configuration names the socket"
-    if wrong.errno in (errno.EACCES, errno.EPERM):
-        hint = _hint_for_access_to(path)
-    elif wrong.errno == errno.EAGAIN:
-        hint = "the daemon does not accept connections: is it stopped or overloaded?"
-    message = f"cannot connect to tmcld at {path}: {os.strerror(wrong.errno or 0)}"
-    return _not_connected("not_connected", message, hint)
-
-
-def _hint_for_access_to(path: str) -> str:
-    socket = Path(path)
-    try:
-        return access_hint(socket.owner(), socket.group(), socket.stat().st_gid)
-    except (OSError, KeyError):
-        return "may this user look into the directory of the socket? ask who started tmcld"
-
-
-def access_hint(user: str, group: str, group_id: int) -> str:
-    """Membership in a group of the system gives far more than a socket."""
-    who = f"the socket is for user '{user}' and group '{group}'"
-    if (group_id >= FIRST_OWN_GROUP and group != user) or group == PACKAGED_GROUP:
-        return f"{who}: join the group with 'sudo adduser $USER {group}', and log in again"
-    return (
-        f"{who}: become that user, or let tmcld give the socket to a group made for it: "
-        "'sudo addgroup tmcl', 'sudo adduser $USER tmcl', log in again, and start it with "
-        "'sudo sg tmcl -c \"tmcld --config FILE\"'"
-    )
-
-
 def _context_for(
     url: urllib.parse.SplitResult, ca: str | os.PathLike[str] | None, has_token: bool
 ) -> ssl.SSLContext | None:
@@ -120,11 +82,11 @@ def _context_for(
     except ValueError as wrong:
         raise _not_connected("bad_url", f"{url.geturl()}: {wrong}") from wrong
     if url.scheme not in ("https", "http") or not url.hostname or port == 0:
-        example = "https://gateway.example:4143"
+        example = "Such as https://gateway.example:4143"
         raise _not_connected("bad_url", f"'{url.geturl()}' is no URL of a gateway", example)
     if url.scheme == "http":
         if has_token and url.hostname not in ("localhost", "127.0.0.1", "::1"):
-            hint = "use https://: on the way, a token could be read"
+            hint = "Use https://: on the way, a token could be read"
             raise _not_connected("bad_url", "a token goes out by https only", hint)
         return None
     try:
@@ -142,7 +104,7 @@ async def _open_websocket(
         reader, writer = await asyncio.open_connection(host, port, ssl=context)
     except ssl.SSLCertVerificationError as wrong:
         message = f"{name} has no certificate that can be trusted: {wrong.verify_message}"
-        hint = "ca= names the file of the authority that signed it"
+        hint = "'ca=' names the file of the authority that signed it"
         raise _not_connected("bad_certificate", message, hint) from wrong
     except (OSError, ssl.SSLError) as wrong:
         raise _not_connected("not_connected", f"cannot connect to {name}: {wrong}") from wrong
@@ -165,4 +127,4 @@ async def _shake_hands(link: Link, framing: WebSocket) -> None:
             list(framing.receive(await link.reader.readexactly(framing.missing)))
     except (OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError) as wrong:
         message = f"{link.name} does not shake hands: {wrong}"
-        raise _not_connected("not_connected", message, "is it a tmcld, by http or https?") from wrong
+        raise _not_connected("not_connected", message, "Is it a tmcld, by http or https?") from wrong

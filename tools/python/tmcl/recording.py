@@ -75,7 +75,7 @@ class Recording:
                 "matplotlib is not installed",
                 name="no_matplotlib",
                 outcome=NOT_SENT,
-                hint="apt install python3-matplotlib; write_csv() needs nothing",
+                hint="'apt install python3-matplotlib' brings it; write_csv() needs nothing",
             ) from None
         figure = figures.Figure(figsize=(8, 5), layout="constrained")
         above, below = figure.subplots(2, 1, sharex=True)

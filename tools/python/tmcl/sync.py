@@ -16,9 +16,9 @@ from typing import Any, TypeVar
 from . import aio, methods
 from .aio import PATIENCE_S, USUAL_INTERVAL_S, USUAL_TTL_S, Amount, Path, in_unit
 from .errors import NOT_SENT, Error
-from .forks import check_process
 from .methods import Methods, WatchedState
 from .recording import Recording
+from .systems import check_process, result_of
 
 T = TypeVar("T")
 
@@ -44,7 +44,7 @@ class Runner:
             raise
         future = asyncio.run_coroutine_threadsafe(work, self._loop)
         try:
-            return future.result()
+            return result_of(future)
         finally:
             future.cancel()
 

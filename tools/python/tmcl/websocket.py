@@ -15,7 +15,7 @@ MOST_HEADER_BYTES = 16_384
 _MOST_CONTROL_BYTES = 125
 _GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _CONTINUATION, _TEXT, _BINARY, _CLOSE, _PING, _PONG = 0x0, 0x1, 0x2, 0x8, 0x9, 0xA
-_HINT = "is it a tmcld that listens there?"
+_HINT = "Is it a tmcld that listens there?"
 
 
 class WebSocket:
