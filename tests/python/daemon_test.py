@@ -1,47 +1,22 @@
-"""The package against a real tmcld, which ends and starts again:
-
-    daemon_test.py TMCLD LINK
-"""
+"""The package against a real tmcld, which ends and starts again."""
 
 import os
-import pathlib
 import signal
-import subprocess
-import sys
-import tempfile
 import threading
 import unittest
 
 import tmcl
+from tmcl.testing import Bench
 
-AXIS = '[[axis]]\nname = "{}"\nbus = "bench"\naddress = 1\nmotor = {}\n'
-UNIT = 'unit = "mm"\nunits_per_revolution = 8.0\nsoft_limits = [-100, 100]\n'
+UNIT = {"unit": "mm", "units_per_revolution": 8.0, "soft_limits": [-100, 100]}
 
 
 class DaemonTest(unittest.TestCase):
     def setUp(self):
-        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
-        self.socket = self.folder / "socket"
-        (self.folder / "tmcld.toml").write_text(
-            f'[daemon]\nsocket = "{self.socket}"\n[[bus]]\nname = "bench"\nlink = "{link}"\n'
-            + AXIS.format("x", 0) + UNIT + AXIS.format("y", 1)
-        )
-        self.daemon = None
-        self.addCleanup(self.stop)
-        self.start()
-
-    def start(self):
-        with open(self.folder / "log", "ab") as log:
-            self.daemon = subprocess.Popen(
-                [tmcld, "--config", self.folder / "tmcld.toml"], stderr=log)
-
-    def stop(self, how=signal.SIGTERM):
-        if self.daemon.poll() is None:
-            self.daemon.send_signal(how)
-        self.daemon.wait(20)
+        self.bench = self.enterContext(Bench("TMCM-3110", axes={"x": UNIT, "y": {}}))
 
     def connect(self, **how):
-        return self.enterContext(tmcl.connect(self.socket, **how))
+        return self.enterContext(self.bench.connect(**how))
 
     def failure(self, call, *args, **params):
         with self.assertRaises(tmcl.Error) as raised:
@@ -124,8 +99,8 @@ class DaemonTest(unittest.TestCase):
         d.x.move(1)
         while next(states).position != 1:
             pass
-        self.stop(signal.SIGKILL)
-        self.start()
+        self.bench.stop_daemon(kill=True)
+        self.bench.start_daemon()
         self.see_both(states)
         d.x.move(0)
         while next(states).position != 0:
@@ -136,11 +111,11 @@ class DaemonTest(unittest.TestCase):
         d = self.connect(patience=30)
         d.x.move(0)
         d.x.wait()
-        os.kill(self.daemon.pid, signal.SIGSTOP)
-        threading.Timer(0.3, self.stop, [signal.SIGKILL]).start()
+        os.kill(self.bench.daemon_pid, signal.SIGSTOP)
+        threading.Timer(0.3, self.bench.stop_daemon, kwargs={"kill": True}).start()
         lost = self.failure(d.x.move, 50)
         self.assertEqual((lost.name, lost.outcome), ("connection_lost", "unknown"))
-        self.start()
+        self.bench.start_daemon()
         self.assertEqual(d.x.position, 0)
         self.assertEqual(d.x.target, 0)
 
@@ -148,8 +123,8 @@ class DaemonTest(unittest.TestCase):
         d = self.connect(patience=30)
         with self.assertRaises(tmcl.LeaseLost):
             with d.lease("x"):
-                self.stop(signal.SIGKILL)
-                self.start()
+                self.bench.stop_daemon(kill=True)
+                self.bench.start_daemon()
                 while True:
                     d.x.state()
         self.assertEqual(d.x.state().lease, None)
@@ -167,6 +142,4 @@ class DaemonTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    tmcld, link = sys.argv[-2:]
-    del sys.argv[-2:]
     unittest.main()

@@ -1,14 +1,13 @@
 """The example for EPICS, said to a real tmcld: there is no StreamDevice in Debian, so the few of its
 formats that the example uses are read here.
-
-    epics_test.py SOCKET
 """
 
 import pathlib
 import re
 import socket
-import sys
 import unittest
+
+from tmcl.testing import Bench
 
 FOLDER = pathlib.Path(__file__).parents[2] / "tools/python/examples/epics"
 FORMAT = re.compile(r'%\*/(?P<skip>[^/]*)/|%(?P<drop>\*?)f|%\{(?P<words>[^}]*)\}')
@@ -45,10 +44,11 @@ def read(wanted, line):
 
 class EpicsTest(unittest.TestCase):
     def setUp(self):
+        bench = self.enterContext(Bench("TMCM-3110", unit="mm", units_per_revolution=8.0))
         self.connection = socket.socket(socket.AF_UNIX)
         self.addCleanup(self.connection.close)
         self.connection.settimeout(10)
-        self.connection.connect(path)
+        self.connection.connect(str(bench.socket))
         self.lines = self.connection.makefile("r")
         self.addCleanup(self.lines.close)
         self.lines.readline()
@@ -85,5 +85,4 @@ class EpicsTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    path = sys.argv.pop()
     unittest.main()

@@ -46,9 +46,9 @@ class PortableTest(unittest.TestCase):
         }
 
     def test_every_module_can_be_imported(self):
-        names = [module.name for module in pkgutil.iter_modules(tmcl.__path__)]
+        names = {module.name for module in pkgutil.iter_modules(tmcl.__path__)}
         self.assertIn("systems", names)
-        for name in names:
+        for name in names - {"pytest_plugin"}:  # which needs pytest
             __import__(f"tmcl.{name}")
 
     def test_moves_leases_and_records_over_https(self):

@@ -1,0 +1,125 @@
+"""Benches of tmcl.testing, with and without their programs ($TMCL_BIN), and their fixture in pytest."""
+
+import asyncio
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+from unittest import mock
+
+import tmcl.testing
+
+STAGE = """\
+[[module]]
+model = "TMCM-1110"
+address = 7
+  [[module.axis]]
+  motor = 0
+  left_switch = -2000
+"""
+OF_A_READER = """\
+def test_moves(tmcl_bench):
+    d = tmcl_bench("TMCM-1110", unit="mm", screw_pitch=5)
+    other = tmcl_bench("TMCM-1110", axes=["z"])
+    d.x.move(0.5)
+    d.x.wait()
+    assert d.x.position == 0.5
+    assert other.z.state().position_microsteps == 0
+
+def test_fails(tmcl_bench):
+    d = tmcl_bench("TMCM-1110")
+    d.x.move(microsteps=-5)
+    assert d.x.wait().position_microsteps == 5
+"""
+# Debian's has the package python3-pytest.
+PYTEST = ["/usr/bin/python3", "-m", "pytest", "-p", "tmcl.pytest_plugin", "-p", "no:cacheprovider"]
+
+
+class TestingTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
+        # Where benches are, so that it is seen what they leave.
+        self.enterContext(mock.patch.object(tempfile, "tempdir", str(self.folder)))
+
+    def failure(self, *models, **how):
+        with self.assertRaises(tmcl.Error) as raised:
+            with tmcl.testing.bench(*models, **how):
+                pass
+        self.assertEqual(list(self.folder.iterdir()), [])
+        return raised.exception
+
+    def test_motors_are_axes_and_all_ends_with_the_block(self):
+        with tmcl.testing.Bench("TMCM-3110", unit="mm", screw_pitch=5) as made:
+            with made.connect() as d:
+                self.assertEqual([axis.name for axis in d.axes()], ["x", "y", "z"])
+                self.assertEqual(d.z.units().unit, "mm")
+                d.x.move(0.5)
+                self.assertEqual(d.x.wait().position, 0.5)
+            daemon = made.daemon_pid
+            self.assertIn("method=axis.move_to", made.log())
+        self.assertFalse(pathlib.Path(f"/proc/{daemon}").exists())
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_axes_have_names_and_keys_of_their_own(self):
+        axes = {"tilt": {"unit": "deg", "screw_pitch": 360}, "lift": {"soft_limits": [0, 20]}}
+        with tmcl.testing.bench("TMCM-1110", "TMCM-1110@9", axes=axes, unit="mm", screw_pitch=5) as d:
+            tilt, lift = d.rpc.axis_list().axes
+            self.assertEqual((tilt.name, tilt.address, tilt.unit), ("tilt", 1, "deg"))
+            self.assertEqual((lift.name, lift.address, lift.unit), ("lift", 9, "mm"))
+            with self.assertRaises(tmcl.Error) as raised:
+                d.lift.move(21)
+            self.assertEqual(raised.exception.name, "beyond_soft_limit")
+
+    def test_asyncio_has_its_socket(self):
+        async def name(socket):
+            async with await tmcl.aio.connect(socket) as d:
+                return [axis.name for axis in await d.axes()]
+
+        with tmcl.testing.Bench("TMCM-1110", axes=["w"]) as made:
+            self.assertEqual(asyncio.run(name(made.socket)), ["w"])
+
+    def test_the_simulator_takes_a_stage(self):
+        (self.folder / "stage.toml").write_text(STAGE)
+        options = ["--bench", str(self.folder / "stage.toml")]
+        with tmcl.testing.bench(simulator=options, axes=["x"]) as d:
+            self.assertEqual(d.rpc.axis_list().axes[0].address, 7)
+            d.x.home(1)
+            self.assertLess(abs(d.x.state().position_microsteps), 1000)
+        (self.folder / "stage.toml").unlink()
+
+    def test_a_missing_program_is_named_and_where_it_was_looked_for(self):
+        with mock.patch.dict(os.environ, TMCL_BIN="/nowhere"):
+            wrong = self.failure("TMCM-1110")
+        self.assertEqual(wrong.name, "no_program")
+        self.assertIn("no program tmclsim in /nowhere, which is $TMCL_BIN", wrong.message)
+        with mock.patch.dict(os.environ, PATH="/nowhere"):
+            del os.environ["TMCL_BIN"]
+            wrong = self.failure("TMCM-1110")
+        self.assertIn("no program tmclsim in the PATH", wrong.message)
+        self.assertIn("apt install", wrong.hint)
+
+    def test_what_a_program_refuses_is_told_in_its_words(self):
+        wrong = self.failure("TMCM-3101")
+        self.assertEqual(wrong.name, "bench_failed")
+        self.assertIn("tmclsim has ended with 2: tmclsim: there is no module 'TMCM-3101'", wrong.message)
+        wrong = self.failure("TMCM-1110", unit="mm", screw_pich=5)
+        self.assertIn("unknown key 'screw_pich' in [[axis]]. Did you mean", wrong.message)
+        self.assertEqual(self.failure("TMCM-1110", axes=["x", "y"]).name, "bad_argument")
+
+    def test_a_daemon_that_is_killed_comes_back(self):
+        with tmcl.testing.Bench("TMCM-1110") as made, made.connect() as d:
+            made.stop_daemon(kill=True)
+            made.start_daemon()
+            self.assertEqual(d.x.state().position_microsteps, 0)
+
+    def test_pytest_has_it_as_a_fixture_and_shows_the_log_of_a_failure(self):
+        (self.folder / "test_reader.py").write_text(OF_A_READER)
+        ran = subprocess.run([*PYTEST, self.folder], capture_output=True, text=True)
+        self.assertEqual(ran.returncode, 1, ran.stdout + ran.stderr)
+        self.assertIn("1 failed, 1 passed", ran.stdout)
+        self.assertIn("method=axis.move_to", ran.stdout[ran.stdout.index("stdout teardown"):])
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,194 @@
+"""A bench without hardware, for tests: simulated modules, and a tmcld with their motors as axes.
+
+    import tmcl.testing
+
+    with tmcl.testing.bench("TMCM-3110", unit="mm", screw_pitch=5) as d:
+        d.x.move(12.5)
+        d.x.wait()
+
+The programs tmclsim and tmcld are looked for in the folder $TMCL_BIN, or in the PATH. Their time is
+the computer's. In pytest this is the fixture `tmcl_bench`: docs/PYTHON.md.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from .aio import PATIENCE_S
+from .errors import NOT_SENT, Error, NotConnected
+from .sync import Gateway, connect
+
+#: What a key of an axis has in tmcld.toml.
+Value = str | float | bool | Sequence[float]
+Axes = Sequence[str] | Mapping[str, Mapping[str, Value]]
+
+#: Of the first motors, where none are named.
+USUAL_AXES = ("x", "y", "z", "u", "v", "w")
+#: So long a program may take to begin, and to end, on a busy computer.
+START_S = 30.0
+_PROBE_S = 0.05
+_MODULE = re.compile(r"module (\d+) \S+, (\d+) motor")
+
+
+@contextmanager
+def bench(
+    *models: str, axes: Axes = (), simulator: Sequence[str] = (), **settings: Value
+) -> Iterator[Gateway]:
+    """A gateway that is connected to a `Bench` of its own."""
+    with Bench(*models, axes=axes, simulator=simulator, **settings) as made:
+        with made.connect() as gateway:
+            yield gateway
+
+
+class Bench:
+    """`with Bench("TMCM-3110") as made:` modules of these models, at addresses from 1 on, on a bus
+    "bench", and a tmcld at the socket `made.socket`. All of it ends with the block.
+
+    `axes` names motors, from the first of the first module on; the others have no axis. `settings`
+    are keys of tmcld.toml for all of them, and axes={"x": {"soft_limits": [0, 20]}, "y": {}} has
+    some for one. `simulator` are options of tmclsim, such as ["--bench", "stage.toml"].
+    Raises Error: "no_program", or "bench_failed" with what the program says."""
+
+    def __init__(
+        self, *models: str, axes: Axes = (), simulator: Sequence[str] = (), **settings: Value
+    ) -> None:
+        self._options = [word for model in models for word in ("--module", model)]
+        self._options += simulator
+        self._axes = axes
+        self._settings = settings
+        self._daemon: subprocess.Popen[Any] | None = None
+        self._ending = ExitStack()
+
+    def __enter__(self) -> Bench:
+        with ExitStack() as ending:
+            folder = tempfile.TemporaryDirectory(prefix="tmcl-", ignore_cleanup_errors=True)
+            self.folder = Path(ending.enter_context(folder))
+            self.socket = self.folder / "socket"
+            motors = self._start_simulator(ending)
+            self._write_configuration(motors)
+            ending.callback(self.stop_daemon)
+            self.start_daemon()
+            self._ending = ending.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ending.close()
+
+    def connect(self, *, patience: float = PATIENCE_S) -> Gateway:
+        return connect(self.socket, patience=patience)
+
+    def start_daemon(self) -> None:
+        """Returns when it serves."""
+        command = [_program("tmcld"), "--config", str(self.folder / "tmcld.toml")]
+        with open(self.folder / "tmcld.log", "ab") as log:
+            self._daemon = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=log)
+        until = time.monotonic() + START_S
+        while True:
+            try:
+                connect(self.socket, patience=_PROBE_S).close()
+                return
+            except NotConnected:
+                if self._daemon.poll() is not None or time.monotonic() > until:
+                    raise _failed("tmcld", self._daemon, self.log()) from None
+
+    def stop_daemon(self, *, kill: bool = False) -> None:
+        """`kill`: as if its computer had failed; otherwise it ends as it does, and stops its axes."""
+        if self._daemon is not None:
+            _end(self._daemon, kill)
+
+    @property
+    def daemon_pid(self) -> int:
+        assert self._daemon is not None
+        return self._daemon.pid
+
+    def log(self) -> str:
+        """What tmcld has said so far."""
+        return (self.folder / "tmcld.log").read_text("utf-8", "replace")
+
+    def _start_simulator(self, ending: ExitStack) -> list[tuple[int, int]]:
+        """The motors that there are, each by its module's address and its own number."""
+        command = [_program("tmclsim"), *self._options, "--pty", str(self.folder / "bus")]
+        log = ending.enter_context(open(self.folder / "tmclsim.log", "w+", encoding="utf-8"))
+        simulator = ending.enter_context(
+            subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=log, text=True
+            )
+        )
+        ending.callback(_end, simulator)
+        motors: list[tuple[int, int]] = []
+        too_late = threading.Timer(START_S, simulator.kill)
+        too_late.start()
+        assert simulator.stdout is not None
+        for line in simulator.stdout:
+            if line == "ready\n":
+                too_late.cancel()
+                return motors
+            if module := _MODULE.match(line):
+                motors += [(int(module[1]), motor) for motor in range(int(module[2]))]
+        too_late.cancel()
+        simulator.wait()
+        log.seek(0)
+        raise _failed("tmclsim", simulator, log.read())
+
+    def _write_configuration(self, motors: list[tuple[int, int]]) -> None:
+        names = list(self._axes or USUAL_AXES[: len(motors)])
+        if len(names) > len(motors):
+            message = f"axes has {len(names)} names, and the modules have {len(motors)} motor(s)"
+            raise Error(message, name="bad_argument", outcome=NOT_SENT)
+        link = f"serial:{self.folder / 'bus'}@115200"
+        text = _table("[daemon]", {"socket": str(self.socket)})
+        text += _table("[[bus]]", {"name": "bench", "link": link})
+        for name, (address, motor) in zip(names, motors):
+            own = self._axes[name] if isinstance(self._axes, Mapping) else {}
+            place: dict[str, Value] = {"bus": "bench", "address": address, "motor": motor}
+            text += _table("[[axis]]", {"name": name, **place, **self._settings, **own})
+        (self.folder / "tmcld.toml").write_text(text, "utf-8")
+
+
+def _table(head: str, keys: Mapping[str, Value]) -> str:
+    """Texts, numbers and lists are in TOML what they are in JSON."""
+    return "\n".join([head, *(f"{key} = {json.dumps(value)}" for key, value in keys.items())]) + "\n"
+
+
+def _program(name: str) -> str:
+    folder = os.environ.get("TMCL_BIN")
+    found = shutil.which(name, path=folder)
+    if found is None:
+        where = f"{folder}, which is $TMCL_BIN" if folder else "the PATH"
+        raise Error(
+            f"there is no program {name} in {where}",
+            name="no_program",
+            outcome=NOT_SENT,
+            hint="'apt install tmcl-sim tmcld' brings it; $TMCL_BIN names the folder of a build, "
+            "such as build/release/bin",
+        )
+    return found
+
+
+def _failed(name: str, process: subprocess.Popen[Any], said: str) -> Error:
+    how = "did not get ready" if process.poll() is None else f"has ended with {process.returncode}"
+    return Error(f"{name} {how}: {said.strip()}", name="bench_failed", outcome=NOT_SENT)
+
+
+def _end(process: subprocess.Popen[Any], kill: bool = False) -> None:
+    if process.poll() is None:
+        if kill:
+            process.kill()
+        else:
+            process.terminate()
+    try:
+        process.wait(START_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
