@@ -39,6 +39,9 @@ python3|hosts in Python, and some tests
 python3-serial|serial ports in Python
 python3-can|CAN in Python
 mypy|the types of the package for Python
+python3-pip|makes the wheel of that package
+python3-setuptools|makes the wheel of that package
+python3-wheel|makes the wheel of that package
 python3-pytest|the plugin of that package
 openssl|makes the certificates that tests connect with
 '

@@ -16,6 +16,9 @@ from .methods import State, WatchedState
 from .recording import Recording
 from .sync import Axis, Gateway, Lease, connect
 
+#: That of the project, as CMakeLists.txt has it.
+__version__ = "0.1.0"
+
 __all__ = [
     "Axis",
     "ConnectionLost",
@@ -28,6 +31,7 @@ __all__ = [
     "Recording",
     "State",
     "WatchedState",
+    "__version__",
     "aio",
     "connect",
 ]
