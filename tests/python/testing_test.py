@@ -115,7 +115,9 @@ class TestingTest(unittest.TestCase):
 
     def test_pytest_has_it_as_a_fixture_and_shows_the_log_of_a_failure(self):
         (self.folder / "test_reader.py").write_text(OF_A_READER)
-        ran = subprocess.run([*PYTEST, self.folder], capture_output=True, text=True)
+        # It may be there already, by a package that is installed.
+        environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+        ran = subprocess.run([*PYTEST, self.folder], env=environment, capture_output=True, text=True)
         self.assertEqual(ran.returncode, 1, ran.stdout + ran.stderr)
         self.assertIn("1 failed, 1 passed", ran.stdout)
         self.assertIn("method=axis.move_to", ran.stdout[ran.stdout.index("stdout teardown"):])
