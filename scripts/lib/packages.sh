@@ -42,6 +42,7 @@ mypy|the types of the package for Python
 python3-pip|makes the wheel of that package
 python3-setuptools|makes the wheel of that package
 python3-wheel|makes the wheel of that package
+python3-venv|a place for that package and its tests
 python3-pytest|the plugin of that package
 openssl|makes the certificates that tests connect with
 '
