@@ -29,9 +29,8 @@ from .aio import PATIENCE_S
 from .errors import NOT_SENT, Error, NotConnected
 from .sync import Gateway, connect
 
-#: What a key of an axis has in tmcld.toml.
-Value = str | float | bool | Sequence[float]
-Axes = Sequence[str] | Mapping[str, Mapping[str, Value]]
+#: Names, or names with keys that such an axis has in tmcld.toml: texts, numbers, lists.
+Axes = Sequence[str] | Mapping[str, Mapping[str, object]]
 
 #: Of the first motors, where none are named.
 USUAL_AXES = ("x", "y", "z", "u", "v", "w")
@@ -43,7 +42,7 @@ _MODULE = re.compile(r"module (\d+) \S+, (\d+) motor")
 
 @contextmanager
 def bench(
-    *models: str, axes: Axes = (), simulator: Sequence[str] = (), **settings: Value
+    *models: str, axes: Axes = (), simulator: Sequence[str] = (), **settings: object
 ) -> Iterator[Gateway]:
     """A gateway that is connected to a `Bench` of its own."""
     with Bench(*models, axes=axes, simulator=simulator, **settings) as made:
@@ -61,7 +60,7 @@ class Bench:
     Raises Error: "no_program", or "bench_failed" with what the program says."""
 
     def __init__(
-        self, *models: str, axes: Axes = (), simulator: Sequence[str] = (), **settings: Value
+        self, *models: str, axes: Axes = (), simulator: Sequence[str] = (), **settings: object
     ) -> None:
         self._options = [word for model in models for word in ("--module", model)]
         self._options += simulator
@@ -92,7 +91,9 @@ class Bench:
         """Returns when it serves."""
         command = [_program("tmcld"), "--config", str(self.folder / "tmcld.toml")]
         with open(self.folder / "tmcld.log", "ab") as log:
-            self._daemon = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=log)
+            self._daemon = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=log, stderr=log
+            )
         until = time.monotonic() + START_S
         while True:
             try:
@@ -151,12 +152,12 @@ class Bench:
         text += _table("[[bus]]", {"name": "bench", "link": link})
         for name, (address, motor) in zip(names, motors):
             own = self._axes[name] if isinstance(self._axes, Mapping) else {}
-            place: dict[str, Value] = {"bus": "bench", "address": address, "motor": motor}
+            place: dict[str, object] = {"bus": "bench", "address": address, "motor": motor}
             text += _table("[[axis]]", {"name": name, **place, **self._settings, **own})
         (self.folder / "tmcld.toml").write_text(text, "utf-8")
 
 
-def _table(head: str, keys: Mapping[str, Value]) -> str:
+def _table(head: str, keys: Mapping[str, object]) -> str:
     """Texts, numbers and lists are in TOML what they are in JSON."""
     return "\n".join([head, *(f"{key} = {json.dumps(value)}" for key, value in keys.items())]) + "\n"
 
