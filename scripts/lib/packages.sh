@@ -3,15 +3,21 @@
 # When all is there, nothing happens: no apt, no root. When something is missing, it says what and
 # why, and installs it as root or through sudo; without either it names the command to run.
 
-# Each line: package of Debian 12 | why the project needs it. `build` is what the programs need.
+# Release of Debian | its Boost. The names below differ in nothing else: X.Y stands for that.
+packages_boost='
+12|1.81
+13|1.83
+'
+
+# Each line: package | why the project needs it. `build` is what the programs need.
 packages_build='
 g++|the C++20 compiler
 cmake|describes the build
 ninja-build|runs the build
 ccache|makes every build after the first one fast
 pkg-config|finds libraries that have no CMake files
-libboost1.81-dev|Asio: serial ports, sockets and timers
-libboost-json1.81-dev|JSON on the API of tmcld
+libboostX.Y-dev|Asio: serial ports, sockets and timers
+libboost-jsonX.Y-dev|JSON on the API of tmcld
 libspdlog-dev|logging
 libfmt-dev|text formatting, under spdlog and in the tools
 libtomlplusplus-dev|reads tmcld.toml
@@ -44,7 +50,6 @@ python3-setuptools|makes the wheel of that package
 python3-wheel|makes the wheel of that package
 python3-venv|a place for that package and its tests
 python3-pytest|the plugin of that package
-openssl|makes the certificates that tests connect with
 '
 
 packages_vm='
@@ -74,19 +79,36 @@ lld|links programs with sanitizers in a quarter of the time
 
 _say() { printf '%s\n' "$*" >&2; }
 
+# Of this Debian; empty where it is another system.
+packages_release() {
+  (
+    . /etc/os-release 2>/dev/null || true
+    [[ ${ID-} != debian ]] || printf '%s\n' "${VERSION_ID-}"
+  )
+}
+
+# packages_of RELEASE SET...: the lines of the sets by the names of that release; of the newest one that is known here,
+# where it is none of these.
+packages_of() {
+  local boost set table
+  boost=$(grep "^$1|" <<<"$packages_boost" || grep . <<<"$packages_boost" | tail -n1)
+  shift
+  for set in "$@"; do
+    table=packages_$set
+    printf '%s\n' "${!table//X.Y/${boost#*|}}"
+  done | grep . | sort -u
+}
+
 _packages_installed() {
   [[ $(dpkg-query -W -f='${db:Status-Status}\n' "$1" 2>/dev/null | head -n1) == installed ]]
 }
 
 # The lines of the given sets whose package is not installed.
 _packages_missing() {
-  local set line
-  for set in "$@"; do
-    local table=packages_$set
-    while read -r line; do
-      [[ -z $line ]] || _packages_installed "${line%%|*}" || printf '%s\n' "$line"
-    done <<<"${!table}"
-  done | sort -u
+  local line
+  while read -r line; do
+    _packages_installed "${line%%|*}" || printf '%s\n' "$line"
+  done < <(packages_of "$(packages_release)" "$@")
 }
 
 _can_be_root() { ((EUID == 0)) || command -v sudo >/dev/null; }
@@ -98,35 +120,39 @@ _apt() {
   "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 "$@"
 }
 
-# Boost's development packages exclude each other. Removing someone's packages is not ours to do.
+# The development packages of Boost's versions exclude each other. Removing someone's packages is not ours to do.
 _packages_refuse_conflict() {
-  local other
-  [[ " $* " == *" libboost1.81-dev "* ]] || return 0
+  local ours other
+  ours=$(printf '%s\n' "$@" | grep -x 'libboost[0-9.]*-dev') || return 0
   other=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' 'libboost1.[0-9]*-dev' 2>/dev/null \
-    | awk '$1 == "installed" && $2 != "libboost1.81-dev" { print $2 }' | head -n1)
+    | awk -v ours="$ours" '$1 == "installed" && $2 != ours { print $2 }' | head -n1)
   [[ -n $other ]] || return 0
-  _say "$other is installed, and Debian does not allow libboost1.81-dev beside it."
+  _say "$other is installed, and Debian does not allow $ours beside it."
   _say "Nothing was changed. If you can do without $other, replace it and try again:"
-  _say "    sudo apt-get install libboost1.81-dev"
+  _say "    sudo apt-get install $ours"
   return 1
+}
+
+_packages_say_by_hand() {
+  _say "by other names (Boost 1.81 or later), install them, and build with:"
+  _say "    cmake --preset release -DTMCL_BUILD_TESTS=OFF && cmake --build --preset release --target programs"
 }
 
 _packages_need_debian() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
-  _say "This machine has no apt. The scripts know Debian 12; elsewhere, install what"
-  _say "scripts/lib/packages.sh lists, with Boost 1.81 or later, and build with:"
-  _say "    cmake --preset release -DTMCL_BUILD_TESTS=OFF && cmake --build --preset release --target programs"
+  _say "This machine has no apt. The scripts know Debian 12 and 13. If it has what scripts/lib/packages.sh lists"
+  _packages_say_by_hand
   return 1
 }
 
-# The names are those of one release, Boost's most of all.
+# The names are those of these releases, Boost's most of all.
 _packages_doubt_release() {
   local release
+  release=$(packages_release)
+  [[ -z $release ]] || ! grep -q "^$release|" <<<"$packages_boost" || return 0
   release=$(. /etc/os-release 2>/dev/null && printf '%s' "${PRETTY_NAME:-}")
-  [[ $release != *"Linux 12 "* ]] || return 0
-  _say "The names above are those of Debian 12, and this is ${release:-another system}. If it has these libraries"
-  _say "by other names (Boost 1.81 or later), install them, and build with:"
-  _say "    cmake --preset release -DTMCL_BUILD_TESTS=OFF && cmake --build --preset release --target programs"
+  _say "The names above are those of Debian 13, and this is ${release:-another system}. If it has these libraries"
+  _packages_say_by_hand
 }
 
 _packages_list() {
