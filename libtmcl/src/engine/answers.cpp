@@ -115,8 +115,8 @@ InFlight BusEngine::take_from(Channel& channel) {
 /// Of what is under way on a serial line.
 void BusEngine::expect_answer() {
   const auto& line = modules_.line();
-  const auto& form = line.is_busy() ? line.form_of_answer() : ReplyForm::of({});
-  form.expect(decoder_);
+  const auto sent = line.is_busy() ? line.in_flight().sent : Request{};
+  ReplyForm::of(sent).expect(decoder_);
 }
 
 /// What every answer means, whatever it says.
