@@ -43,9 +43,10 @@ class Writer {
       bytes_.push_back(static_cast<std::uint8_t>(value >> (8 * byte)));
     }
   }
+  // One by one: g++ 14 warns of what it makes of a range.
   template <class Bytes>
   void put_all(const Bytes& bytes) {
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    for (const auto byte : bytes) bytes_.push_back(static_cast<std::uint8_t>(byte));
   }
   std::vector<std::uint8_t> finish() {
     put(crc32(bytes_), checksum_size);
