@@ -7,8 +7,9 @@
 
 namespace tmcl {
 
-/// 'x'
-std::string quoted(std::string_view word);
+/// 'x'. An object, because of a std::string the standard library would quote it by a function of
+/// the same name, which is found by the type alone.
+inline constexpr auto quoted = [](std::string_view word) { return "'" + std::string(word) + "'"; };
 
 /// The candidate that differs from `word` by the fewest edits (insertion, removal, exchange of one
 /// letter, exchange of two neighbours), case ignored; empty if none is near enough to be what a

@@ -73,8 +73,6 @@ std::optional<std::size_t> edits_between(std::string_view word, std::string_view
 
 }  // namespace
 
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
-
 std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates) {
   if (word.size() > longest_word) return {};
   std::string_view best;

@@ -28,16 +28,16 @@ void blank(std::string& text, std::size_t begin, std::size_t end) {
 
 Blanked without_comments(std::string text) {
   std::size_t open_comment = none;
-  bool quoted = false;
+  bool in_quotes = false;
   for (std::size_t i = 0; i < text.size();) {
     const auto two = std::string_view(text).substr(i, 2);
     auto end = i + 1;
     if (text[i] == '"' || text[i] == '\n') {
-      quoted = text[i] == '"' && !quoted;
-    } else if (!quoted && two == "//") {
+      in_quotes = text[i] == '"' && !in_quotes;
+    } else if (!in_quotes && two == "//") {
       end = std::min(text.find('\n', i), text.size());
       blank(text, i, end);
-    } else if (!quoted && two == "/*") {
+    } else if (!in_quotes && two == "/*") {
       const auto close = text.find("*/", i + 2);
       if (close == none) open_comment = i;
       end = close == none ? text.size() : close + 2;
