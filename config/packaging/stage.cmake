@@ -1,10 +1,12 @@
 # Run by CPack when the files of all packages are in folders of their own: what Debian wants of every package.
+file(GLOB former ${CPACK_PACKAGE_DIRECTORY}/*.deb)
+file(REMOVE ${former})
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(stage ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/${component})
   string(TOUPPER ${component} key)
   set(name ${CPACK_DEBIAN_${key}_PACKAGE_NAME})
   set(doc ${stage}/usr/share/doc/${name})
-  file(COPY ${CPACK_TMCL_PACKAGING}/copyright DESTINATION ${doc})
+  file(COPY ${CPACK_TMCL_PACKAGING}/copyright ${CPACK_TMCL_PACKAGING}/../../CHANGELOG.md DESTINATION ${doc})
   file(COPY ${CPACK_PACKAGE_DIRECTORY}/changelog DESTINATION ${doc})
   file(GLOB manuals ${stage}/usr/share/man/man*/*)
   execute_process(COMMAND gzip -9n ${doc}/changelog ${manuals} COMMAND_ERROR_IS_FATAL ANY)

@@ -66,6 +66,12 @@ file|knows what has to be stripped
 lintian|checks packages
 '
 
+packages_wheel='
+python3-pip|makes the wheel of the Python package
+python3-setuptools|makes the wheel of the Python package
+python3-wheel|makes the wheel of the Python package
+'
+
 packages_bare='
 debootstrap|makes the bare Debian in which packages are installed
 '
