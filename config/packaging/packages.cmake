@@ -9,11 +9,11 @@ set(packaging ${CMAKE_CURRENT_LIST_DIR})
 install(FILES ${packaging}/tmcld.toml DESTINATION /etc/tmcl COMPONENT tmcld EXCLUDE_FROM_ALL)
 install(DIRECTORY DESTINATION /etc/tmcl/tmcld.d COMPONENT tmcld EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/tmcld.service ${PROJECT_SOURCE_DIR}/config/systemd/tmcld.socket
-  DESTINATION /lib/systemd/system COMPONENT tmcld EXCLUDE_FROM_ALL)
+  DESTINATION lib/systemd/system COMPONENT tmcld EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/config/sysusers/tmcld.conf
   DESTINATION lib/sysusers.d COMPONENT tmcld EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/config/udev/60-tmcl.rules
-  DESTINATION /lib/udev/rules.d COMPONENT tmcld EXCLUDE_FROM_ALL)
+  DESTINATION lib/udev/rules.d COMPONENT tmcld EXCLUDE_FROM_ALL)
 
 # ---- the packages ------------------------------------------------------------------------------
 
@@ -74,10 +74,12 @@ tmcl_package(library libtmcl0 libs "library to move motors on TMCL modules"
 planned and predicted, and the same axes through tmcld. C++20, on Boost.Asio
 or blocking."
   EXTRA triggers postinst postrm)
+# Each release of Debian has its own.
+set(boost ${Boost_VERSION_MAJOR}.${Boost_VERSION_MINOR})
 tmcl_package(dev libtmcl-dev libdevel "library to move motors on TMCL modules (development files)"
   "Headers, examples and what CMake and pkg-config want to know to build
 programs with libtmcl."
-  DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost1.81-dev libboost-json1.81-dev libexpected-dev libfmt-dev libusb-1.0-0-dev
+  DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost${boost}-dev libboost-json${boost}-dev libexpected-dev libfmt-dev libusb-1.0-0-dev
   pkg-config)
 
 tmcl_package(python python3-tmcl python "motors on TMCL modules, through tmcld, from Python"
