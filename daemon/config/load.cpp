@@ -127,9 +127,13 @@ tl::expected<Config, Lines> load_config_for_link(const std::string& path,
   keep_only(*text, std::string(*found->name));
   auto config = build(std::move(*text)).map_error(lines_of);
   if (!config) return config;
-  // What runs for one call does not feed a module: it must not give it a deadman.
+  // What runs for one call does not feed a module: it must not give it a deadman. Nor does it
+  // watch its settings.
   for (auto& one : config->buses) {
-    for (auto& module : one.modules) module.deadman_ms.reset();
+    for (auto& module : one.modules) {
+      module.deadman_ms.reset();
+      module.settings = {};
+    }
   }
   return config;
 }

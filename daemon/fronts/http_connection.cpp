@@ -303,12 +303,7 @@ class StreamConnection final : public HttpConnection,
     bool goes_on = false;
     switch (entry->route) {
       case HttpRoute::health: goes_on = co_await tell_health(parser.get()); break;
-      case HttpRoute::metrics:
-        goes_on =
-            co_await respond(parser.get(), metrics_type,
-                             metrics_text(*connections_->gateway, connections_->share->stop_latency,
-                                          connections_->clients()));
-        break;
+      case HttpRoute::metrics: goes_on = co_await tell_metrics(parser.get()); break;
       case HttpRoute::rpc: goes_on = co_await serve_call(parser); break;
       case HttpRoute::websocket: co_await serve_websocket(parser.release(), *entry); break;
     }
@@ -322,6 +317,15 @@ class StreamConnection final : public HttpConnection,
       co_return false;
     }
     const bool goes_on = co_await respond(request, plain_type, "ok\n");
+    co_return goes_on;
+  }
+
+  awaitable<bool> tell_metrics(const Request& request) {
+    const auto& gateway = connections_->gateway;
+    const auto axes = co_await measure_axes(gateway);
+    auto text =
+        metrics_text(*gateway, axes, connections_->share->stop_latency, connections_->clients());
+    const bool goes_on = co_await respond(request, metrics_type, std::move(text));
     co_return goes_on;
   }
 

@@ -1,6 +1,8 @@
 #include "fronts/metrics.hpp"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <sstream>
@@ -11,6 +13,8 @@
 #include <prometheus/metric_family.h>
 #include <prometheus/text_serializer.h>
 
+#include "async/gather.hpp"
+#include "gateway/module/fault_report.hpp"
 #include "tmcl/bus_options.hpp"
 
 namespace tmcld {
@@ -117,13 +121,115 @@ void add_axes(Page& page, const Gateway& gateway) {
       [](const GatewayAxis& axis) { return axis.claim_kind() != ClaimKind::none; });
 }
 
+// ---- what axes do -------------------------------------------------------------------------------
+
+/// Nothing: that axis is left out.
+using Value = std::optional<double>;
+
+/// A family with a value for each axis that has one.
+template <class ValueOf>
+void add_measured(Page& page, const std::vector<AxisMeasurements>& axes, const char* name,
+                  const char* help, bool has_unit, ValueOf value_of) {
+  for (const auto& one : axes) {
+    const Value value = value_of(one);
+    if (!value) continue;
+    Labels labels{{"axis", one.axis->name()}, {"bus", one.axis->bus().name()}};
+    if (has_unit) {
+      const auto& unit = one.axis->unit();
+      labels.push_back({"unit", unit.empty() ? "microsteps" : unit});
+    }
+    page.add(name, help, MetricType::Gauge, std::move(labels), *value);
+  }
+}
+
+/// In the unit of the axis; in microsteps without one.
+template <class InUnit>
+Value in_unit(const AxisMeasurements& one, InUnit of_user, tmcl::Microsteps otherwise) {
+  if (!one.reading) return std::nullopt;
+  if (one.reading->user) return of_user(*one.reading->user);
+  return static_cast<double>(otherwise.value);
+}
+
+void add_measured_axes(Page& page, const std::vector<AxisMeasurements>& axes) {
+  add_measured(page, axes, "tmcl_axis_position", "Where the axis is, in its unit.", true,
+               [](const AxisMeasurements& one) {
+                 return in_unit(
+                     one, [](const auto& user) { return user.position.value; },
+                     one.reading ? one.reading->state.position : tmcl::Microsteps{});
+               });
+  add_measured(page, axes, "tmcl_axis_target", "Where it was sent to, in its unit.", true,
+               [](const AxisMeasurements& one) {
+                 return in_unit(
+                     one, [](const auto& user) { return user.target.value; },
+                     one.reading ? one.reading->state.target : tmcl::Microsteps{});
+               });
+  add_measured(page, axes, "tmcl_axis_velocity", "Its speed, in its unit per second.", true,
+               [](const AxisMeasurements& one) -> Value {
+                 if (!one.reading) return std::nullopt;
+                 const auto& user = one.reading->user;
+                 if (user && user->velocity) return user->velocity->value;
+                 return one.axis->unit().empty() ? one.reading->velocity_pps : std::nullopt;
+               });
+  add_measured(page, axes, "tmcl_axis_moving", "1 while the axis moves.", false,
+               [](const AxisMeasurements& one) -> Value {
+                 if (!one.reading) return std::nullopt;
+                 return one.reading->state.velocity.value != 0 ? 1 : 0;
+               });
+  add_measured(page, axes, "tmcl_supply_volts", "Supply of the motor, by its module.", false,
+               [](const AxisMeasurements& one) { return one.axis->supply_volts(); });
+  add_measured(page, axes, "tmcl_temperature_celsius", "Temperature of the module.", false,
+               [](const AxisMeasurements& one) { return one.temperature_celsius; });
+}
+
+/// Each flag that a driver may have, so that an alert sees one end.
+void add_errors(Page& page, const Gateway& gateway) {
+  for (const auto& axis : gateway.axes()) {
+    for (const auto flag : driver_flags()) {
+      const bool is_set = std::ranges::count(axis->faults(), flag) > 0;
+      page.add("tmcl_axis_error", "1 while the driver of the axis or its supply reports this.",
+               MetricType::Gauge,
+               {{"axis", axis->name()}, {"bus", axis->bus().name()}, {"flag", std::string(flag)}},
+               is_set ? 1 : 0);
+    }
+  }
+}
+
+using boost::asio::awaitable;
+
+constexpr tmcl::Duration new_enough = std::chrono::seconds(1);
+
+awaitable<AxisMeasurements> measure(std::shared_ptr<GatewayAxis> axis) {
+  AxisMeasurements measured{axis, std::nullopt, std::nullopt};
+  if (axis->module().state() != GatewayModule::State::ready) co_return measured;
+  const auto reading = co_await axis->read_state(new_enough);
+  if (!reading) co_return measured;
+  measured.reading = *reading;
+  const auto temperature =
+      co_await axis->perform(read_temperature(axis->address().module), asked_by(0));
+  if (temperature) measured.temperature_celsius = *temperature;
+  co_return measured;
+}
+
 }  // namespace
 
-std::string metrics_text(const Gateway& gateway, const Latency& stops, std::size_t clients) {
+awaitable<std::vector<AxisMeasurements>> measure_axes(std::shared_ptr<Gateway> gateway) {
+  std::vector<awaitable<AxisMeasurements>> tasks;
+  for (const auto& axis : gateway->axes()) tasks.push_back(measure(axis));
+  if (tasks.empty()) co_return std::vector<AxisMeasurements>();
+  auto measured = co_await gather(std::move(tasks));
+  co_return measured;
+}
+
+std::string metrics_text(const Gateway& gateway, const std::vector<AxisMeasurements>& axes,
+                         const Latency& stops, std::size_t clients) {
   Page page;
+  page.add("tmcl_build_info", "1, for what is running.", MetricType::Gauge,
+           {{"version", TMCL_VERSION}}, 1);
   add_buses(page, gateway);
   page.add("tmcl_stop_seconds", "From when a stop came in until it was answered.", stops);
   add_axes(page, gateway);
+  add_measured_axes(page, axes);
+  add_errors(page, gateway);
   page.add("tmcl_leases", "Leases that clients have.", MetricType::Gauge, {},
            static_cast<double>(gateway.leases()->all().size()));
   page.add("tmcl_http_clients", "Clients that are connected by HTTP.", MetricType::Gauge, {},

@@ -2,14 +2,31 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
+
+#include <boost/asio/awaitable.hpp>
 
 #include "fronts/latency.hpp"
 #include "gateway/gateway.hpp"
 
 namespace tmcld {
 
+/// What an axis does, for one page.
+struct AxisMeasurements {
+  std::shared_ptr<GatewayAxis> axis;
+  std::optional<AxisReading> reading{};  ///< Nothing if its module does not answer.
+  std::optional<double> temperature_celsius{};
+};
+
+/// Reads the configured axes, unless that was done within the last second.
+boost::asio::awaitable<std::vector<AxisMeasurements>> measure_axes(
+    std::shared_ptr<Gateway> gateway);
+
 /// In its text form. `stops`: how long they took; `clients`: that are connected by HTTP now.
-std::string metrics_text(const Gateway& gateway, const Latency& stops, std::size_t clients);
+std::string metrics_text(const Gateway& gateway, const std::vector<AxisMeasurements>& axes,
+                         const Latency& stops, std::size_t clients);
 
 }  // namespace tmcld

@@ -427,6 +427,18 @@ TEST_F(DaemonConfigForLink, IgnoresTheDaemonAndNothingElse) {
               ElementsAre(HasSubstr("'address' is 300, but bus 'b' is no CAN bus")));
 }
 
+TEST_F(DaemonConfigForLink, LeavesSettingsAlone) {
+  const auto settings = tmcl::test::temp_path("settings.toml");
+  std::ofstream(settings) << "model = \"TMCM-1110\"\n[motor.0]\nmax_current = 7\n";
+  const auto config =
+      load(std::string(bus_a) + "[[module]]\nbus = \"a\"\naddress = 1\nsettings = \"" + settings +
+               "\"\nsettings_at_reset = \"restore\"\n",
+           "serial:/dev/a");
+  std::filesystem::remove(settings);
+  ASSERT_TRUE(config) << config.error().front();
+  EXPECT_EQ(config->buses.at(0).modules.at(0).settings.wanted, nullptr);
+}
+
 TEST_F(DaemonConfigForLink, LeavesDeadmenAlone) {
   const auto config =
       load(std::string(bus_a) + "[[module]]\nbus = \"a\"\naddress = 1\ndeadman_ms = 1000\n",

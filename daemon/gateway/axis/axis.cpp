@@ -643,6 +643,7 @@ tmcl::Script<tmcl::Result<Microsteps>> GatewayAxis::look_at_driver_meanwhile(
 
 void GatewayAxis::note_driver(DriverReading reading) {
   driver_seen_ = bus().clock().now();
+  supply_volts_ = reading.supply_volts;
   auto faults = open_loads_.judge(std::move(reading));
   if (std::exchange(faults_, std::move(faults)) == faults_) return;
   const auto text = faults_.empty()
@@ -657,6 +658,7 @@ GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults(std::uint64_t clien
   auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()), asked_by(client));
   if (!report) co_return report;
   DriverReading reading{report->driver_faults()};
+  reading.supply_volts = report->supply_volts;
   if (std::ranges::any_of(reading.faults, is_open_load)) {
     const auto units = co_await axis_.run(units_.module_units(), asked_by(client));
     auto script = turns_slowly(address(), parameters(), units.value_or(std::nullopt));

@@ -228,6 +228,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const Faults& faults() const { return faults_; }
   /// What its driver says that means something only while it turns slowly, and was not seen then.
   const Faults& unproven_faults() const { return open_loads_.unproven(); }
+  /// Of its supply, when its driver was looked at last; nothing where its module does not tell.
+  const std::optional<double>& supply_volts() const { return supply_volts_; }
   /// Looks at them, unless that was done so lately. Errors: those of the exchanges.
   Awaitable<void> look_at_driver(tmcl::Duration max_age, RunOptions options,
                                  std::optional<tmcl::InternalVelocity> velocity = {});
@@ -313,6 +315,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Faults faults_;
   OpenLoads open_loads_;
   std::optional<tmcl::TimePoint> driver_seen_;
+  std::optional<double> supply_volts_;
   std::optional<StopCause> stop_cause_;
   SharedWork<std::optional<tmcl::Result<AxisReading>>> looks_;
 };

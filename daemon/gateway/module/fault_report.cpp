@@ -112,6 +112,12 @@ Faults OpenLoads::judge(DriverReading reading) {
   return std::move(reading.faults);
 }
 
+std::vector<std::string_view> driver_flags() {
+  std::vector<std::string_view> flags;
+  for (const auto& one : all_words) flags.push_back(one.name);
+  return flags;
+}
+
 Faults FaultReport::driver_faults() const {
   Faults faults;
   std::ranges::copy_if(flags, std::back_inserter(faults), [](std::string_view flag) {
@@ -159,10 +165,14 @@ Script<tmcl::Result<DriverReading>> read_driver(tmcl::AxisAddress axis,
                                                 std::optional<tmcl::ModuleUnits> units,
                                                 std::optional<tmcl::InternalVelocity> velocity) {
   DriverReading reading;
-  co_await must(read_driver(axis, parameters, reading.faults));
+  reading.supply_volts = co_await must(read_driver(axis, parameters, reading.faults));
   if (std::ranges::any_of(reading.faults, is_open_load))
     reading.turns_slowly = co_await must(turns_slowly(axis, parameters, units, velocity));
   co_return reading;
+}
+
+Script<tmcl::Result<std::optional<double>>> read_temperature(tmcl::ModuleAddress module) {
+  return read_port(module, temperature_port, 1);
 }
 
 Script<tmcl::Result<FaultReport>> read_faults(tmcl::AxisAddress axis,
@@ -174,7 +184,7 @@ Script<tmcl::Result<FaultReport>> read_faults(tmcl::AxisAddress axis,
     const auto closed = co_await must(read_if_any(axis, parameters, parameter));
     if (closed != 0) report.switches.push_back(name);
   }
-  report.temperature_celsius = co_await must(read_port(axis.module, temperature_port, 1));
+  report.temperature_celsius = co_await must(read_temperature(axis.module));
   co_return report;
 }
 

@@ -31,6 +31,8 @@ struct FaultReport {
   bool has_switch(std::string_view name) const;
 };
 
+/// All that may be among the faults of a driver.
+std::vector<std::string_view> driver_flags();
 /// "short circuit to ground of coil A, undervoltage"
 std::string words_for(const Faults& faults);
 /// They are worth a stop or a look: the driver is off, or has no current in a coil. Others only say
@@ -41,7 +43,8 @@ bool is_open_load(std::string_view fault);
 
 struct DriverReading {
   Faults faults{};
-  bool turns_slowly = false;  ///< Looked at only where the driver reports an open load.
+  bool turns_slowly = false;             ///< Looked at only where the driver reports an open load.
+  std::optional<double> supply_volts{};  ///< Nothing where its module does not tell.
 };
 
 /// The drivers of these modules report an open load falsely at standstill, with little current and
@@ -70,6 +73,8 @@ tmcl::Script<tmcl::Result<std::int32_t>> read_if_any(
 tmcl::Script<tmcl::Result<DriverReading>> read_driver(
     tmcl::AxisAddress axis, std::span<const tmcl::ParameterInfo> parameters,
     std::optional<tmcl::ModuleUnits> units, std::optional<tmcl::InternalVelocity> velocity = {});
+/// Of its module, in degrees Celsius; nothing where it does not tell. Errors: the same.
+tmcl::Script<tmcl::Result<std::optional<double>>> read_temperature(tmcl::ModuleAddress module);
 /// Whether it turns slowly enough, and not too slowly, for an open load to be told. Parameters and
 /// errors: the same.
 tmcl::Script<tmcl::Result<bool>> turns_slowly(tmcl::AxisAddress axis,

@@ -17,7 +17,7 @@ from .recording import Recording
 from .sync import Axis, Gateway, Lease, connect
 
 #: That of the project, as CMakeLists.txt has it.
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Axis",
