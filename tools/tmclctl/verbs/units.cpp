@@ -37,9 +37,9 @@ Result<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model&
   if (verb.pulse_div && !has_dividers) return refusal("--pulse-div");
   if (verb.ramp_div && !has_dividers) return refusal("--ramp-div");
   if (verb.unit_mode && !has_mode) return refusal("--unit-mode");
-  if (has_dividers)
-    values = {verb.pulse_div.value_or(values[0]), verb.ramp_div.value_or(values[1])};
-  if (has_mode) values = {verb.unit_mode.value_or(values[0])};
+  if (verb.pulse_div) values[0] = *verb.pulse_div;
+  if (verb.ramp_div) values[1] = *verb.ramp_div;
+  if (verb.unit_mode) values[0] = *verb.unit_mode;
   return tmcl::module_units(model, values).value_or(tmcl::ModuleUnits{});
 }
 
