@@ -148,8 +148,7 @@ TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
   const auto complete = [this](const std::string& words, int cursor) {
     const std::string script = "PATH='" TMCL_BIN_DIR "':$PATH; source '" TMCL_SOURCE_DIR
                                "/config/completions/tmclctl.bash'; compopt() { :; }; COMP_WORDS=(" +
-                               words + "); COMP_CWORD=" + std::to_string(cursor) + "; COMP_LINE='" +
-                               words + "'; COMP_POINT=${#COMP_LINE}" +
+                               words + "); COMP_CWORD=" + std::to_string(cursor) +
                                "; _tmclctl; echo \"${COMPREPLY[*]}\"";
     return run_program({"/bin/bash", "-c", script}).output;
   };
@@ -168,8 +167,10 @@ TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
 
 /// What a shell's own completion file offers for a line; the shell must be there.
 std::string completed_by(const std::string& shell, const std::string& script) {
-  return run_program({"/usr/bin/" + shell, "-c", "PATH='" TMCL_BIN_DIR "':$PATH\n" + script})
-      .output;
+  const std::string path = "'" TMCL_BIN_DIR "'";
+  const auto set_path =
+      shell == "fish" ? "set PATH " + path + " $PATH\n" : "PATH=" + path + ":$PATH\n";
+  return run_program({"/usr/bin/" + shell, "-c", set_path + script}).output;
 }
 
 TEST_F(TmclctlDaemon, ZshCompletesVerbsAxesAndFiles) {

@@ -87,22 +87,28 @@ const std::vector<std::string> lines{
     "firmware check FOLDER/firmware.hex 1",
     "firmware upload FOLDER/firmware.hex 3",
     "mint run FOLDER/go.mint --axis 0=1/0",
-    "path run FOLDER/path.csv --axis x=3/0 --axis y=3/1 --per-turn 5 --dry-run",
     "reset 1",
     "factory-reset 1 --yes",
 };
 /// What these print is the door's own, or measured: they only end well.
-const std::vector<std::string> lists{"modules",
-                                     "axes",
-                                     "buses --for 0.1",
-                                     "state 1/0",
-                                     "recover 1/0",
-                                     "deadman set 1/0 500",
-                                     "deadman test 1/0",
-                                     "deadman off 1/0",
-                                     "verify 1/0 --travel 0..1 --yes",
-                                     "stop --all",
-                                     "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
+const std::vector<std::string> lists{
+    "modules",
+    "axes",
+    "buses --for 0.1",
+    "state 1/0",
+    "doctor 1/0",
+    "settings show 1",
+    "settings save 1 -o FOLDER/a.toml",
+    "settings diff FOLDER/a.toml 1",
+    "settings load FOLDER/a.toml 1",
+    "path run FOLDER/path.csv --axis x=3/0 --axis y=3/1 --per-turn 5 --dry-run",
+    "recover 1/0",
+    "deadman set 1/0 500",
+    "deadman test 1/0",
+    "deadman off 1/0",
+    "verify 1/0 --travel 0..1 --yes",
+    "stop --all",
+    "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
 
 /// What is measured, and what the bus and the door are called, is not the same twice.
 std::string without_what_differs(std::string text) {

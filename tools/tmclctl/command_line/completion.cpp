@@ -233,6 +233,14 @@ Completion Line::value_at_cursor(const std::string& word) const {
     completion.words = split(choice.words);
     return completion;
   }
+  if (option_ == "--change") {
+    // TIME:REGISTER=VALUE
+    const auto colon = word.find(':');
+    if (colon == word.npos) return {};
+    auto registers = registers_at_cursor(word.substr(colon + 1));
+    registers.prefix.insert(0, word, 0, colon + 1);
+    return registers;
+  }
   const auto* option = option_named(option_);
   const auto placeholder = option == nullptr ? std::string() : option->get_type_name();
   if (const auto equals = word.find('='); placeholder.ends_with("=AXIS") && equals != word.npos) {
