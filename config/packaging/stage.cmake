@@ -1,6 +1,8 @@
 # Run by CPack when the files of all packages are in folders of their own: what Debian wants of every package.
 file(GLOB former ${CPACK_PACKAGE_DIRECTORY}/*.deb)
-file(REMOVE ${former})
+if(former)  # an older CMake refuses an empty list
+  file(REMOVE ${former})
+endif()
 foreach(component IN LISTS CPACK_COMPONENTS_ALL)
   set(stage ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/${component})
   string(TOUPPER ${component} key)
