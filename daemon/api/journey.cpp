@@ -33,19 +33,23 @@ Result<PlanningBudget::Place> place_for(const Call& call, std::size_t bytes) {
   return std::move(*place);
 }
 
+void add_problems(Error& error, const tmcl::TextProblems& problems) {
+  json::array all;
+  for (const auto& problem : problems) {
+    all.push_back(json::object{
+        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
+  }
+  error.subject["problems"] = std::move(all);
+}
+
 Error error_of(const plan::PathObjection& objection, std::string_view param) {
   if (!objection.param.empty()) param = objection.param;
   auto error = param_error(objection.name, param, objection.message, objection.hint);
   if (!objection.file_axis.empty()) error.subject["file_axis"] = objection.file_axis;
   if (objection.problems.empty()) return error;
-  json::array problems;
-  for (const auto& problem : objection.problems) {
-    problems.push_back(json::object{
-        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
-  }
   const auto& first = objection.problems.front();
   error.message += ": line " + std::to_string(first.line) + ": " + first.message;
-  error.subject["problems"] = std::move(problems);
+  add_problems(error, objection.problems);
   return error;
 }
 

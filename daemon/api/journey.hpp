@@ -26,6 +26,8 @@ Result<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_b
 /// The same for so many bytes of what has been planned.
 Result<PlanningBudget::Place> place_for(const Call& call, std::size_t bytes);
 
+/// All that is wrong with a text, as the member "problems".
+void add_problems(Error& error, const tmcl::TextProblems& problems);
 /// `param` is where the client gave what is wrong.
 Error error_of(const tmcl::plan::PathObjection& objection, std::string_view param);
 /// Nothing new begins while the daemon ends.

@@ -1,8 +1,7 @@
 // The settings of modules, and files of them.
 #include "api/settings_handlers.hpp"
 
-#include <boost/json/array.hpp>
-
+#include "api/journey.hpp"
 #include "api/lookup.hpp"
 #include "api/module_choice.hpp"
 #include "config/settings_file.hpp"
@@ -27,12 +26,7 @@ Error error_of(const tmcl::TextProblems& problems) {
   const auto& first = problems.front();
   auto error = param_error<&settings::Load::toml>(
       "bad_settings", "line " + std::to_string(first.line) + ": " + first.message);
-  boost::json::array all;
-  for (const auto& problem : problems) {
-    all.push_back(boost::json::object{
-        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
-  }
-  error.subject["problems"] = std::move(all);
+  add_problems(error, problems);
   return error;
 }
 
@@ -101,12 +95,6 @@ std::vector<settings::Refused> view_of(const std::vector<RefusedSetting>& refuse
     views.push_back(std::move(view));
   }
   return views;
-}
-
-std::vector<tmcl::SettingKey> keys_of(const std::vector<tmcl::SettingValue>& values) {
-  std::vector<tmcl::SettingKey> keys;
-  for (const auto& value : values) keys.push_back(value.key);
-  return keys;
 }
 
 }  // namespace

@@ -89,9 +89,9 @@ struct ModuleSection : Section {
            "it stops its motors when no host has sent it anything for so long; 0: never");
   TMCL_KEY(Said<std::string>, as, "file about what was measured of it");
   TMCL_KEY(Said<std::string>, settings,
-           "file of its settings, with which they are compared at start and after a reset");
+           "file of settings; the module is compared with it at start and after a reset");
   TMCL_KEY(Said<std::string>, settings_at_reset,
-           "report: what differs is an event; restore: it is set again, too");
+           "what to do about a difference: report (an event), or restore (set it again, too)");
 };
 
 struct AxisSection : Section {

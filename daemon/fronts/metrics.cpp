@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -142,26 +143,18 @@ void add_measured(Page& page, const std::vector<AxisMeasurements>& axes, const c
   }
 }
 
-/// In the unit of the axis; in microsteps without one.
-template <class InUnit>
-Value in_unit(const AxisMeasurements& one, InUnit of_user, tmcl::Microsteps otherwise) {
-  if (!one.reading) return std::nullopt;
-  if (one.reading->user) return of_user(*one.reading->user);
-  return static_cast<double>(otherwise.value);
-}
-
 void add_measured_axes(Page& page, const std::vector<AxisMeasurements>& axes) {
   add_measured(page, axes, "tmcl_axis_position", "Where the axis is, in its unit.", true,
-               [](const AxisMeasurements& one) {
-                 return in_unit(
-                     one, [](const auto& user) { return user.position.value; },
-                     one.reading ? one.reading->state.position : tmcl::Microsteps{});
+               [](const AxisMeasurements& one) -> Value {
+                 if (!one.reading) return std::nullopt;
+                 const auto& [state, pps, user, taken] = *one.reading;
+                 return user ? user->position.value : static_cast<double>(state.position.value);
                });
   add_measured(page, axes, "tmcl_axis_target", "Where it was sent to, in its unit.", true,
-               [](const AxisMeasurements& one) {
-                 return in_unit(
-                     one, [](const auto& user) { return user.target.value; },
-                     one.reading ? one.reading->state.target : tmcl::Microsteps{});
+               [](const AxisMeasurements& one) -> Value {
+                 if (!one.reading) return std::nullopt;
+                 const auto& [state, pps, user, taken] = *one.reading;
+                 return user ? user->target.value : static_cast<double>(state.target.value);
                });
   add_measured(page, axes, "tmcl_axis_velocity", "Its speed, in its unit per second.", true,
                [](const AxisMeasurements& one) -> Value {
@@ -198,12 +191,14 @@ using boost::asio::awaitable;
 
 constexpr tmcl::Duration new_enough = std::chrono::seconds(1);
 
-awaitable<AxisMeasurements> measure(std::shared_ptr<GatewayAxis> axis) {
+/// `is_first`: of the axes of its module, which has one temperature.
+awaitable<AxisMeasurements> measure(std::shared_ptr<GatewayAxis> axis, bool is_first) {
   AxisMeasurements measured{axis, std::nullopt, std::nullopt};
   if (axis->module().state() != GatewayModule::State::ready) co_return measured;
   const auto reading = co_await axis->read_state(new_enough);
   if (!reading) co_return measured;
   measured.reading = *reading;
+  if (!is_first) co_return measured;
   const auto temperature =
       co_await axis->perform(read_temperature(axis->address().module), asked_by(0));
   if (temperature) measured.temperature_celsius = *temperature;
@@ -214,7 +209,9 @@ awaitable<AxisMeasurements> measure(std::shared_ptr<GatewayAxis> axis) {
 
 awaitable<std::vector<AxisMeasurements>> measure_axes(std::shared_ptr<Gateway> gateway) {
   std::vector<awaitable<AxisMeasurements>> tasks;
-  for (const auto& axis : gateway->axes()) tasks.push_back(measure(axis));
+  std::set<const GatewayModule*> modules;
+  for (const auto& axis : gateway->axes())
+    tasks.push_back(measure(axis, modules.insert(&axis->module()).second));
   if (tasks.empty()) co_return std::vector<AxisMeasurements>();
   auto measured = co_await gather(std::move(tasks));
   co_return measured;

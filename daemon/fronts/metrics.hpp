@@ -17,11 +17,12 @@ namespace tmcld {
 /// What an axis does, for one page.
 struct AxisMeasurements {
   std::shared_ptr<GatewayAxis> axis;
-  std::optional<AxisReading> reading{};  ///< Nothing if its module does not answer.
-  std::optional<double> temperature_celsius{};
+  std::optional<AxisReading> reading{};         ///< Nothing if its module does not answer.
+  std::optional<double> temperature_celsius{};  ///< Of its module, told of its first axis.
 };
 
-/// Reads the configured axes, unless that was done within the last second.
+/// Reads the configured axes, unless that was done within the last second, and the temperature of
+/// each module.
 boost::asio::awaitable<std::vector<AxisMeasurements>> measure_axes(
     std::shared_ptr<Gateway> gateway);
 

@@ -49,24 +49,29 @@ void look_at_clock(Notes notes) {
              wrong ? "it is years behind" : "it is right, as far as can be seen");
 }
 
+/// A computer that slept yesterday is no fault of today.
+constexpr tmcl::Duration lately = std::chrono::minutes(10);
+
 void look_at_stalls(const Gateway& gateway, Notes notes) {
-  const auto longest = gateway.gaps().duration();
-  if (longest == tmcl::Duration{}) return notes.fine(Check::stalls, "it did not stand still");
-  notes.wrong(Check::stalls,
-              fmt::format("it stood still for {:.1f} s: what was asked for before was refused",
-                          std::chrono::duration<double>(longest).count()));
+  const auto& gaps = gateway.gaps();
+  if (gaps.duration() == tmcl::Duration{}) return notes.fine(Check::stalls, "it never stood still");
+  const auto ago = gateway.clock().now() - gaps.ended();
+  notes.note(Check::stalls, ago < lately,
+             fmt::format("it stood still for {:.1f} s, {:.0f} s ago",
+                         std::chrono::duration<double>(gaps.duration()).count(),
+                         std::chrono::duration<double>(ago).count()));
 }
 
 awaitable<void> look_at_journal(const Examined& what, Notes notes) {
   if (what.axes.empty()) co_return;
   const auto failure = co_await what.axes.front()->enter_journal();
-  notes.note(Check::journal, !failure.empty(), failure.empty() ? "it is" : failure);
+  notes.note(Check::journal, !failure.empty(), failure.empty() ? "it can" : failure);
 }
 
 // ---- a bus --------------------------------------------------------------------------------------
 
-/// One in a hundred that is lost shows mostly.
-constexpr int probes = 100;
+/// Of a bus: one reply in a hundred that is lost shows mostly.
+constexpr std::size_t most_probes = 100;
 
 void look_at_link(const GatewayBus& bus, Notes notes) {
   const bool is_open = bus.state() == GatewayBus::State::open;
@@ -115,8 +120,7 @@ awaitable<void> look_at_program(GatewayBus& bus, tmcl::ModuleAddress address, st
   const auto status = co_await ask(bus, tmcl::verbs::program_status(address), client);
   if (!status) co_return;
   const bool runs = status->state == tmcl::ProgramStatus::State::running;
-  notes.note(Check::program, runs,
-             runs ? "one runs, and may move its motors by itself" : "none runs");
+  notes.fine(Check::program, runs ? "one runs, and may move its motors by itself" : "none runs");
 }
 
 void look_at_settings(const GatewayModule& module, Notes& notes) {
@@ -130,9 +134,10 @@ void look_at_settings(const GatewayModule& module, Notes& notes) {
 }
 
 /// Asks again and again, to see how many answers get lost.
-awaitable<void> probe(GatewayBus& bus, tmcl::ModuleAddress address, std::uint64_t client) {
+awaitable<void> probe(GatewayBus& bus, tmcl::ModuleAddress address, std::size_t probes,
+                      std::uint64_t client) {
   const tmcl::AxisAddress motor{address, 0};
-  for (int i = 0; i < probes; ++i)
+  for (std::size_t i = 0; i < probes; ++i)
     co_await ask(bus, tmcl::verbs::get(motor, tmcl::axis_parameter::actual_position), client);
 }
 
@@ -149,25 +154,21 @@ awaitable<bool> look_at_module(GatewayBus& bus, GatewayModule& module, std::uint
   notes.fine(Check::module, "it answers, with firmware " + firmware);
   const bool doubled = module.duplicate_suspected();
   notes.note(Check::address, doubled,
-             doubled ? "more replies come than requests: two modules may have it" : "it has");
-  notes.note(Check::model, model == nullptr,
-             model == nullptr ? fmt::format("model {} is not", module.identity()->version.model)
-                              : "it is a " + std::string(model->name));
+             doubled ? "more replies come than requests: two modules may have it"
+                     : "one reply comes for each request");
+  notes.fine(Check::model, model == nullptr ? fmt::format("model {} is known by its number only",
+                                                          module.identity()->version.model)
+                                            : "it is a " + std::string(model->name));
   co_await look_at_program(bus, module.address(), client, notes);
   const bool watched = module.sentinel().watches();
-  notes.fine(Check::restart, watched ? "by its " + module.sentinel().name() : "not always");
+  notes.fine(Check::restart,
+             watched ? "tmcld looks at its " + module.sentinel().name() : "not always");
   look_at_settings(module, notes);
   look_at_deadman(module, notes);
   co_return true;
 }
 
 // ---- an axis ------------------------------------------------------------------------------------
-
-std::string joined(const Faults& names) {
-  std::string text;
-  for (const auto name : names) text += (text.empty() ? "" : ", ") + std::string(name);
-  return text;
-}
 
 bool is_of_supply(std::string_view fault) {
   return fault == "undervoltage" || fault == "overvoltage";
@@ -186,14 +187,15 @@ void look_at_driver(const FaultReport& report, Notes& notes) {
   const auto volts = report.supply_volts ? fmt::format("{:.1f} V", *report.supply_volts) : "";
   notes.note(Check::supply, !supply.empty(),
              supply.empty() ? (volts.empty() ? "its module does not tell" : volts)
-                            : joined(supply) + (volts.empty() ? "" : ": " + volts));
-  notes.note(Check::temperature, !temperature.empty(),
-             temperature.empty()          ? "it reports nothing"
-             : report.temperature_celsius ? fmt::format("{} at {:.0f} deg C", joined(temperature),
-                                                        *report.temperature_celsius)
-                                          : joined(temperature));
+                            : words_for(supply) + (volts.empty() ? "" : ": " + volts));
+  notes.note(
+      Check::temperature, !temperature.empty(),
+      temperature.empty() ? "it reports nothing"
+      : report.temperature_celsius
+          ? fmt::format("{} at {:.0f} deg C", words_for(temperature), *report.temperature_celsius)
+          : words_for(temperature));
   notes.note(Check::driver, !driver.empty(),
-             driver.empty() ? "it reports nothing" : joined(driver));
+             driver.empty() ? "it reports nothing" : words_for(driver));
 }
 
 void look_at_switches(const FaultReport& report, Notes& notes) {
@@ -230,10 +232,11 @@ awaitable<void> look_at_resolution(GatewayAxis& axis, std::uint64_t client, Note
 
 void look_at_right_to_move(const GatewayAxis& axis, Notes& notes) {
   const auto latched = axis.latched();
-  notes.note(Check::latch, latched.has_value(), latched ? latched->message : "it is");
+  notes.note(Check::latch, latched.has_value(), latched ? latched->message : "it may move");
   if (axis.needs_reference())
     notes.note(Check::reference, !axis.is_referenced(),
-               axis.is_referenced() ? "it has" : "it has not, and is sent to no position");
+               axis.is_referenced() ? "it has found it"
+                                    : "it has not found it, and is sent to no position");
   if (const auto unrestored = unrestored_of(axis); !unrestored.empty())
     notes.wrong(Check::restored, fmt::format("{} are not set back, such as {}", unrestored.size(),
                                              unrestored.front().parameter));
@@ -247,7 +250,7 @@ awaitable<void> look_at_place(GatewayAxis& axis, std::uint64_t client, Notes& no
   if (const auto& limits = axis.soft_limits(); limits && scale) {
     auto beyond = tmcl::beyond(*limits, state.position, scale->value_or(tmcl::microsteps_scale()));
     if (beyond && beyond->unit.empty()) beyond->unit = "microsteps";
-    notes.note(Check::limits, beyond.has_value(), beyond ? describe(*beyond) : "it is");
+    notes.note(Check::limits, beyond.has_value(), beyond ? describe(*beyond) : "it is within them");
   }
   const auto cause = axis.stop_cause();
   const bool stopped = state.velocity.value == 0 && !state.position_reached && cause.has_value();
@@ -295,7 +298,7 @@ awaitable<Findings> examine(std::shared_ptr<Gateway> gateway, Examined what) {
       const bool answers = co_await look_at_module(*bus, bus->add_module(address), what.client,
                                                    {findings, std::move(name)});
       if (!answers) continue;
-      co_await probe(*bus, address, what.client);
+      co_await probe(*bus, address, most_probes / addresses.size(), what.client);
       for (const auto& axis : what.axes)
         if (&axis->bus() == bus.get() && axis->address().module == address)
           co_await look_at_axis(*axis, what.client, {findings, axis->name()});

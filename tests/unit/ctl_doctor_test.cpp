@@ -97,7 +97,7 @@ TEST_F(CtlDoctor, ShowsAllQuestionsAndAnswers) {
   find({finding("bus", "b", false), finding("supply", "x", true)});
   EXPECT_EQ(run({"doctor", "--all"}), ExitCode::refused);
   EXPECT_THAT(out, HasSubstr("       b   is the bus open?"));
-  EXPECT_THAT(out, HasSubstr("WRONG  x   has the motor its supply?"));
+  EXPECT_THAT(out, HasSubstr("WRONG  x   does the motor have its supply?"));
   EXPECT_THAT(out, HasSubstr("\nx: supply: it is supply\n  mend it\n"));
 }
 

@@ -85,7 +85,7 @@ TEST(Doctor, FindsMotorsWithoutSupply) {
   const auto wrong = wrong_in(bench, {{"axis", "x"}});
   ASSERT_FALSE(wrong.empty());
   EXPECT_EQ(wrong.front().check, "supply");
-  EXPECT_THAT(wrong.front().text, AllOf(HasSubstr("undervoltage"), HasSubstr("5.2 V")));
+  EXPECT_THAT(wrong.front().text, AllOf(HasSubstr("its supply is too low"), HasSubstr("5.2 V")));
 }
 
 TEST(Doctor, FindsALineThatLosesReplies) {

@@ -1,5 +1,6 @@
 // The settings of modules in one go: read, loaded without a movement, kept, and compared with their
 // file after a restart.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -142,6 +143,24 @@ TEST(SettingsOfModules, ThatAreThereAreNotWrittenAgain) {
   EXPECT_EQ(count(loaded, "written"), 0U);
   EXPECT_THAT(bench.sent(tmcl::Command::SAP), IsEmpty());
   EXPECT_THAT(bench.sent(tmcl::Command::SGP), IsEmpty());
+}
+
+TEST(SettingsOfModules, AreReadNoMoreOftenThanTheyCanHaveChanged) {
+  JourneyBench bench;
+  const auto toml = toml_of(bench);
+  const auto reads_of_current = [&] {
+    return std::ranges::count_if(bench.requests, [](const tmcl::Request& request) {
+      return request.command == tmcl::Command::GAP && request.type == 6 && request.motor == 1;
+    });
+  };
+  bench.requests.clear();
+  ASSERT_TRUE(load(bench, toml));
+  EXPECT_EQ(reads_of_current(), 1);
+  ASSERT_TRUE(
+      bench.call("parameter.set", {{"axis", "y"}, {"parameter", "max_current"}, {"value", 9}}));
+  bench.requests.clear();
+  ASSERT_TRUE(load(bench, toml));
+  EXPECT_EQ(reads_of_current(), 2);
 }
 
 constexpr const char* of_3110 = "model = \"TMCM-3110\"\n";

@@ -1,4 +1,5 @@
 // What Prometheus is told, and what the alerts and the dashboard ask it for.
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <regex>
@@ -44,6 +45,17 @@ TEST(Metrics, SayWhatAxesDo) {
                            "tmcl_axis_error{axis=\"x\",bus=\"line\",flag=\"undervoltage\"} 0\n"})
     EXPECT_THAT(text, HasSubstr(line));
   EXPECT_THAT(text, HasSubstr("tmcl_temperature_celsius{axis=\"x\",bus=\"line\"} "));
+}
+
+TEST(Metrics, ReadTheTemperatureOfAModuleOnce) {
+  JourneyBench bench;
+  bench.requests.clear();
+  metrics_of(bench);
+  const auto read = std::ranges::count_if(bench.requests, [](const tmcl::Request& request) {
+    constexpr std::uint8_t temperature = 9;
+    return request.command == tmcl::Command::GIO && request.type == temperature;
+  });
+  EXPECT_EQ(read, 2) << "the axes are on two modules";
 }
 
 TEST(Metrics, CountMicrostepsWithoutAUnit) {

@@ -52,6 +52,8 @@ class Gaps {
   tmcl::TimePoint looked() const { return looked_; }
   /// Of a call whose sender has said when.
   bool is_stale(tmcl::TimePoint sent) const { return sent < ended_; }
+  /// When the last one was over; TimePoint{}: there was none.
+  tmcl::TimePoint ended() const { return ended_; }
   /// How long the last one was.
   tmcl::Duration duration() const { return duration_; }
 

@@ -258,6 +258,13 @@ void GatewayModule::forget_drift() {
   is_compared_ = false;
 }
 
+bool GatewayModule::begin_to_compare_settings() {
+  if (is_compared_ || is_comparing_) return false;
+  is_compared_ = true;
+  is_comparing_ = true;
+  return true;
+}
+
 void GatewayModule::end_comparing_settings(bool failed) {
   is_comparing_ = false;
   if (failed) forget_drift();

@@ -93,9 +93,7 @@ class GatewayModule {
   const std::optional<std::vector<tmcl::SettingDifference>>& drift() const { return drift_; }
   void note_drift(std::vector<tmcl::SettingDifference> drift) { drift_ = std::move(drift); }
   /// They are to be compared now, by the caller. False while others do so.
-  bool begin_to_compare_settings() {
-    return !is_compared_ && !std::exchange(is_comparing_, true) && (is_compared_ = true);
-  }
+  bool begin_to_compare_settings();
   /// `failed`: they are to be compared when it answers again.
   void end_comparing_settings(bool failed);
 

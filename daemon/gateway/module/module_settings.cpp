@@ -49,17 +49,6 @@ SettingsAnswer<const tmcl::Model*> known_model(const SettingsTask& task) {
   co_return model;
 }
 
-std::vector<SettingKey> keys_of(const std::vector<tmcl::SettingInfo>& infos) {
-  std::vector<SettingKey> keys;
-  for (const auto& info : infos) keys.push_back(info.key);
-  return keys;
-}
-std::vector<SettingKey> keys_of(const std::vector<SettingValue>& values) {
-  std::vector<SettingKey> keys;
-  for (const auto& value : values) keys.push_back(value.key);
-  return keys;
-}
-
 SettingsAnswer<std::vector<SettingValue>> read_values(const SettingsTask& task,
                                                       std::vector<SettingKey> keys) {
   auto script = tmcl::verbs::read_settings(task.address, std::move(keys),
@@ -194,13 +183,17 @@ class Loading {
   SettingsAnswer<LoadedSettings> carry_out();
 
  private:
-  /// Those that differ: `scales`: what others are counted in, or the others.
-  SettingsAnswer<void> write_all(bool scales);
+  /// A line may be slow: what cannot have changed is not read again.
+  SettingsAnswer<void> read();
+  /// What differs: first what others are counted in.
+  SettingsAnswer<void> write_all();
+  SettingsAnswer<void> write_some(bool scales);
   SettingsAnswer<void> write(const SettingValue& setting);
 
   SettingsTask task_;
   std::shared_ptr<const Settings> wanted_;
   Axes axes_;
+  Settings present_;
   LoadedSettings loaded_;
 };
 
@@ -215,12 +208,18 @@ SettingsAnswer<void> Loading::write(const SettingValue& setting) {
   return run(task_, tmcl::verbs::set_global(task_.address, bank, key.number, setting.value));
 }
 
-SettingsAnswer<void> Loading::write_all(bool scales) {
-  const auto present = co_await read_present(task_, *wanted_);
-  if (!present) co_return tl::unexpected(present.error());
+SettingsAnswer<void> Loading::read() {
+  auto present = co_await read_present(task_, *wanted_);
+  if (!present) co_return tl::unexpected(std::move(present.error()));
+  present_ = std::move(*present);
+  co_return tmcl::Result<void>{};
+}
+
+SettingsAnswer<void> Loading::write_some(bool scales) {
+  const auto written_before = loaded_.written.size();
   const auto settings = in_loading_order(*wanted_);
   for (const auto& setting : settings) {
-    const auto before = present->find(setting.key);
+    const auto before = present_.find(setting.key);
     if (is_scale(*wanted_->model, setting.key) != scales || before == setting.value) continue;
     auto written = co_await write(setting);
     module_of(task_).note_settings_changed();
@@ -234,6 +233,16 @@ SettingsAnswer<void> Loading::write_all(bool scales) {
       co_return written;
     }
     task_.tell(fmt::format("{} settings written", loaded_.written.size()));
+  }
+  if (loaded_.written.size() == written_before) co_return tmcl::Result<void>{};
+  auto again = co_await read();
+  co_return again;
+}
+
+SettingsAnswer<void> Loading::write_all() {
+  for (const bool scales : {true, false}) {
+    auto written = co_await write_some(scales);
+    if (!written) co_return written;
   }
   co_return tmcl::Result<void>{};
 }
@@ -250,17 +259,15 @@ SettingsAnswer<LoadedSettings> Loading::carry_out() {
     co_return std::move(loaded_);
   }
   if (!claims) co_return tl::unexpected(claims.error());
-  for (const bool scales : {true, false, false}) {
-    // What was refused beside the old value of another setting is tried once more.
-    if (!scales)
-      std::erase_if(loaded_.refused,
-                    [&](const auto& one) { return !is_scale(*wanted_->model, one.setting.key); });
-    auto written = co_await write_all(scales);
-    if (!written) co_return tl::unexpected(std::move(written.error()));
+  auto done = co_await read();
+  if (done) done = co_await write_all();
+  // What was refused beside the old value of another setting is tried once more.
+  if (done && !loaded_.refused.empty() && !loaded_.written.empty()) {
+    loaded_.refused.clear();
+    done = co_await write_all();
   }
-  const auto present = co_await read_present(task_, *wanted_);
-  if (!present) co_return tl::unexpected(present.error());
-  loaded_.differing = what_to_load(*present, *wanted_);
+  if (!done) co_return tl::unexpected(std::move(done.error()));
+  loaded_.differing = what_to_load(present_, *wanted_);
   co_return std::move(loaded_);
 }
 

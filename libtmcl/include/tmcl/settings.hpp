@@ -65,6 +65,9 @@ struct SettingValue {
   bool operator==(const SettingValue&) const = default;
 };
 
+std::vector<SettingKey> keys_of(const std::vector<SettingInfo>& infos);
+std::vector<SettingKey> keys_of(const std::vector<SettingValue>& values);
+
 /// Of a module, or a part of them.
 struct Settings {
   const Model* model = nullptr;        ///< Never null where settings were read.
@@ -97,7 +100,7 @@ std::vector<SettingDifference> what_to_load(const Settings& present, const Setti
 /// the motor by what was set before.
 std::vector<SettingValue> in_loading_order(const Settings& settings);
 
-/// What other values are counted in: these read otherwise once it is set.
+/// Whether other values are counted in it: they read otherwise once it is set.
 bool is_scale(const Model& model, const SettingKey& key);
 
 }  // namespace tmcl

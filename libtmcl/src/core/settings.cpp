@@ -132,6 +132,18 @@ const SettingInfo* find_setting(const std::vector<SettingInfo>& infos, const Set
   return found != infos.end() && found->key == key ? &*found : nullptr;
 }
 
+std::vector<SettingKey> keys_of(const std::vector<SettingInfo>& infos) {
+  std::vector<SettingKey> keys;
+  for (const auto& info : infos) keys.push_back(info.key);
+  return keys;
+}
+
+std::vector<SettingKey> keys_of(const std::vector<SettingValue>& values) {
+  std::vector<SettingKey> keys;
+  for (const auto& value : values) keys.push_back(value.key);
+  return keys;
+}
+
 std::string section_of(const SettingKey& key) {
   switch (key.scope) {
     case SettingScope::global: return "global";
