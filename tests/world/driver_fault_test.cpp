@@ -63,7 +63,7 @@ class DriverFaults : public Cable, public testing::WithParamInterface<const char
     EXPECT_THAT(metrics(), HasSubstr("tmcl_axis_fault{axis=\"y\",bus=\"bench\"} 0\n"));
   }
 
-  std::string metrics() { return metrics_text(gateway(), {}, 0); }
+  std::string metrics() { return metrics_text(gateway(), {}, {}, 0); }
 
  private:
   int position_ = 0;
