@@ -27,12 +27,13 @@ inline std::filesystem::path usb_device_at(const std::string& place) {
   return std::filesystem::path("/sys/bus/usb/devices") / place;
 }
 
-/// What cdc_acm calls it; empty if there is none.
+/// What cdc_acm calls it; empty if there is none. Its name comes some milliseconds before its node.
 inline std::string terminal_at(const std::string& place) {
   std::error_code none;
   const auto folder = usb_device_at(place) / (place + ":1.0") / "tty";
   for (const auto& entry : std::filesystem::directory_iterator(folder, none))
-    return "/dev/" + entry.path().filename().string();
+    if (const auto node = "/dev/" + entry.path().filename().string(); std::filesystem::exists(node))
+      return node;
   return {};
 }
 
