@@ -1,4 +1,6 @@
 // What the method finds that looks for what keeps axes from moving.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 
 #include "tmcl/doctor.hpp"
@@ -96,6 +98,32 @@ TEST(Doctor, FindsALineThatLosesReplies) {
   bench.on_request = {};
   bench.wire.is_cut = false;
   EXPECT_THAT(names_in(bench, {{"axis", "x"}}), IsEmpty());
+}
+
+TEST(Doctor, BlamesAPauseForTenMinutes) {
+  JourneyBench bench;
+  bench.time.run_for(1s);
+  bench.time.freeze_for(3s);
+  bench.time.run_for(9min);
+  EXPECT_THAT(names_in(bench), testing::Contains(testing::StartsWith("stalls of")));
+  bench.time.run_for(2min);
+  EXPECT_THAT(names_in(bench), testing::Not(testing::Contains(testing::StartsWith("stalls of"))));
+}
+
+TEST(Doctor, SharesItsProbesAmongTheModulesOfABus) {
+  constexpr auto most_probes = 100;
+  const auto positions_asked = [](json::object params) {
+    JourneyBench bench;
+    bench.requests.clear();
+    EXPECT_TRUE(bench.call("doctor.examine", std::move(params)));
+    return std::ranges::count_if(bench.requests, [](const tmcl::Request& request) {
+      return request.command == tmcl::Command::GAP && request.type == 1;
+    });
+  };
+  const auto of_one = positions_asked({{"axis", "x"}});
+  const auto of_two = positions_asked({});
+  EXPECT_GE(of_one, most_probes);
+  EXPECT_LT(of_two, of_one + most_probes / 2);
 }
 
 TEST(Doctor, FindsALatchAfterARestart) {
