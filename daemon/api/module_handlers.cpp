@@ -46,10 +46,18 @@ void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& re
   if (axis) axis->revoke_movements();
 }
 
-/// What a raw command sets turning is stopped when its client goes: it needs an axis.
+/// Motors that may not come to stand by themselves: a search that meets no switch has no end.
+std::set<tmcl::AxisAddress> motors_without_end(const tmcl::Request& request,
+                                               const tmcl::Model* model) {
+  if (!starts_search(request)) return tmcl::motors_turned_by(request, model);
+  const bool has_motor = model == nullptr || request.motor < model->axes;
+  return has_motor ? motors_of(request) : std::set<tmcl::AxisAddress>{};
+}
+
+/// What has no end is stopped when its client goes or its link is back: it needs an axis.
 std::optional<Error> give_axes(const Call& call, const std::shared_ptr<GatewayBus>& bus,
                                const tmcl::Request& request) {
-  for (const auto motor : tmcl::motors_turned_by(request, bus->model_of(request.address))) {
+  for (const auto motor : motors_without_end(request, bus->model_of(request.address))) {
     if (call.gateway->find_axis(*bus, motor) || call.gateway->add_axis(bus, motor)) continue;
     return not_now("not_permitted",
                    "motor " + std::to_string(motor.motor) + " of module " +

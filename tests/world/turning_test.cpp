@@ -248,9 +248,10 @@ TEST_P(TurningOf, WhateverIsWrittenItStandsWhenAllHaveGone) {
     scene.begin_anew();
     tmcl::test::Random<> random(tmcl::test::seed() + static_cast<std::uint64_t>(round));
     const auto story = random_story(scene, random, false);
+    SCOPED_TRACE("round " + std::to_string(round) + ": " + story);
     scene.time.run_for(2s);
     end_searches(scene);
-    ASSERT_TRUE(scene.stands()) << "round " << round << ": " << story;
+    ASSERT_TRUE(scene.stands());
   }
 }
 
@@ -267,14 +268,14 @@ TEST_P(TurningOf, WhatAProgramTurnsIsSaidToBeUnattended) {
     ASSERT_TRUE(loaded) << loaded.error().message;
     tmcl::test::Random<> random(tmcl::test::seed() + static_cast<std::uint64_t>(round));
     const auto story = random_story(scene, random, true);
+    SCOPED_TRACE("round " + std::to_string(round) + ": " + story);
     scene.time.run_for(2s);
     end_searches(scene);
     const bool stands = scene.stands();
     scene.be_another_client();
-    EXPECT_TRUE(stands || scene.state("unattended") == "true")
-        << "round " << round << ": " << story;
+    EXPECT_TRUE(stands || scene.state("unattended") == "true");
     scene.call("system.stop_all", {});
-    ASSERT_TRUE(scene.stands()) << "round " << round << ": " << story;
+    ASSERT_TRUE(scene.stands());
   }
 }
 
@@ -405,6 +406,26 @@ TEST_F(Turning, ByARawCommandIsWarnedOf) {
   scene.client_leaves();
   scene.time.run_for(5s);
   EXPECT_EQ(scene.get(2, ap::actual_velocity), 0) << "a motor that no axis names";
+}
+
+/// No switch ends it here: it is stopped when the link is back, as that of an axis is.
+TEST_F(Turning, ASearchByARawCommandIsKnownOfAMotorThatNoAxisNames) {
+  ASSERT_TRUE(scene.carry_out(raw(Command::RFS, 0, 0, 2)));
+  scene.time.run_for(1s);
+  ASSERT_NE(scene.module.axis(2).search_step(), 0);
+  const auto axis =
+      scene.gateway().find_axis(*scene.gateway().buses().front(), {tmcl::ModuleAddress{1}, 2});
+  ASSERT_TRUE(axis);
+  EXPECT_EQ(axis->claim_kind(), ClaimKind::search);
+  scene.wire.unplug();
+  EXPECT_TRUE(scene.stands());
+  EXPECT_EQ(scene.module.axis(2).search_step(), 0);
+}
+
+TEST_F(Turning, ARawSearchOfAMotorThatTheModuleLacksMakesNoAxis) {
+  EXPECT_FALSE(scene.carry_out(raw(Command::RFS, 0, 0, 3)));
+  EXPECT_FALSE(
+      scene.gateway().find_axis(*scene.gateway().buses().front(), {tmcl::ModuleAddress{1}, 3}));
 }
 
 // ---- the daemon is killed ----------------------------------------------------------------------
