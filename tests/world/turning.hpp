@@ -80,11 +80,13 @@ class Scene : public CableBench {
   }
   const tmcl::Model& model() const { return model_; }
   bool turns(std::uint8_t motor) { return get(motor, ap::actual_velocity) != 0; }
-  /// Whether all its motors come to stand, and stay so.
+  /// Whether all its motors come to stand, and stay so. A move to a position goes on without its
+  /// client, and takes an hour where a coordinate of two motors has left one a speed of 2 pps.
   bool stands() {
     using namespace std::chrono_literals;
-    for (int looks = 0; looks < 120; ++looks) {
-      time.run_for(500ms);
+    constexpr tmcl::Duration long_enough = 24h;
+    for (tmcl::Duration pause = 500ms; pause < long_enough; pause += pause / 4) {
+      time.run_for(pause);
       if (any_turns()) continue;
       time.run_for(200ms);
       if (!any_turns()) return true;

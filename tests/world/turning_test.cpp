@@ -271,9 +271,9 @@ TEST_P(TurningOf, WhatAProgramTurnsIsSaidToBeUnattended) {
     SCOPED_TRACE("round " + std::to_string(round) + ": " + story);
     scene.time.run_for(2s);
     end_searches(scene);
-    const bool stands = scene.stands();
+    scene.time.run_for(1min);
     scene.be_another_client();
-    EXPECT_TRUE(stands || scene.state("unattended") == "true");
+    EXPECT_TRUE(scene.state("unattended") == "true" || scene.stands());
     scene.call("system.stop_all", {});
     ASSERT_TRUE(scene.stands());
   }
@@ -389,6 +389,29 @@ TEST_F(Turning, OfAProgramIsUnattendedWhenThatHasBeenStopped) {
     scene.call("axis.stop", {{"axis", "x"}});
     EXPECT_TRUE(scene.stands());
     EXPECT_EQ(scene.state("unattended"), "false") << static_cast<int>(ends);
+  }
+}
+
+/// In this firmware a target that is written does not end it.
+TEST_F(Turning, OfAProgramIsUnattendedWhenATargetIsWrittenThen) {
+  json::object load{{"bus", "bench"}, {"address", 1}};
+  load["program"] = tmcl::program::to_hex(
+      tmcl::program::Program{{Command::ROR, 0, 0, scene.speed}, {Command::STOP, 0, 0, 0}});
+  ASSERT_TRUE(scene.call("program.load", load));
+  for (const auto& target : {set(ap::target_position, 79), raw(Command::SAP, 0, 79),
+                             raw(Command::AAP, ap::target_position, 0)}) {
+    scene.begin_anew();
+    scene.be_another_client();
+    scene.carry_out(raw(Command::RUN_APPLICATION, 1, 0));
+    scene.time.run_for(1s);
+    scene.carry_out(raw(Command::STOP_APPLICATION, 0, 0));
+    scene.carry_out(target);
+    ASSERT_TRUE(scene.turns(0)) << said(target);
+    EXPECT_EQ(scene.state("unattended"), "true") << said(target);
+    scene.call("axis.stop", {{"axis", "x"}});
+    EXPECT_TRUE(scene.stands());
+    scene.carry_out(target);
+    EXPECT_EQ(scene.state("unattended"), "false") << said(target);
   }
 }
 

@@ -20,10 +20,13 @@ using tmcl::Subject;
 /// Stands for all motors of a module that have no axis.
 constexpr std::uint8_t no_motor = 255;
 
-/// It has no target any more that a relative move could count from.
-bool leaves_positions(Motion motion) {
-  return motion == Motion::turns || motion == Motion::stops || motion == Motion::searches ||
-         is_unpredictable(motion);
+/// Nothing where the motor does as before.
+std::optional<Sent> sent_by(Motion motion) {
+  if (goes_to_position(motion)) return Sent::to_position;
+  if (is_unpredictable(motion)) return Sent::unseen;
+  const bool leaves_positions =
+      motion == Motion::turns || motion == Motion::stops || motion == Motion::searches;
+  return leaves_positions ? std::optional(Sent::elsewhere) : std::nullopt;
 }
 
 /// Once its module has taken the command, the motor turns without end no more.
@@ -356,14 +359,16 @@ void Motors::note_moved(const Request& request) {
 
 void Motors::note_target(const Request& request, const Before& before) {
   const auto intent = intent_of(request);
-  const bool to_position = goes_to_position(intent.motion);
-  if (!to_position && !leaves_positions(intent.motion)) return;
+  const auto sent = sent_by(intent.motion);
+  if (!sent) return;
   for (auto& [address, motor] : motors_) {
     const bool names_it = request.address == address.module && request.motor == address.motor;
     const bool concerns_it = intent.subject == Subject::chip
                                  ? before.turned.contains(address)
                                  : names_it || can_move(request, address);
-    if (concerns_it) motor.was_sent_to_position = to_position;
+    // A target that is written does not end what turns by velocity, in some firmwares.
+    const bool may_turn_on = intent.motion == Motion::to_target && motor.sent == Sent::unseen;
+    if (concerns_it && !may_turn_on) motor.sent = *sent;
   }
 }
 
@@ -375,12 +380,12 @@ void Motors::note_program(const Request& request, bool is_done) {
   if (!ends_one || programs_.erase(request.address) == 0) return;
   // Whatever they were sent to before, the program may have set them turning since.
   for (auto& [address, motor] : motors_)
-    if (address.module == request.address) motor.was_sent_to_position = false;
+    if (address.module == request.address) motor.sent = Sent::unseen;
 }
 
 bool Motors::was_sent_to_position(AxisAddress motor) const {
   const auto found = motors_.find(motor);
-  return found != motors_.end() && found->second.was_sent_to_position;
+  return found != motors_.end() && found->second.sent == Sent::to_position;
 }
 
 bool Motors::may_move(AxisAddress motor) const {
@@ -393,7 +398,7 @@ std::vector<std::string> Motors::under_way() const {
   std::vector<std::string> names;
   for (const auto& [address, motor] : motors_) {
     if (motor.axis.empty()) continue;
-    const bool has_no_end = moved_.contains(address) && !motor.was_sent_to_position;
+    const bool has_no_end = moved_.contains(address) && motor.sent != Sent::to_position;
     const bool turns = turning_of(address).number != 0;
     if (has_no_end || turns || motor.claim_owner.by != ClaimKind::none) names.push_back(motor.axis);
   }

@@ -75,6 +75,13 @@ struct Turning {
   std::string name{};        ///< Of the owner, for people.
 };
 
+/// Where the last command that moved or stopped a motor has sent it.
+enum class Sent : std::uint8_t {
+  unseen,       ///< Not known: a program or another host may have sent it anywhere.
+  elsewhere,    ///< To no position: it was stopped, or turns, or searches.
+  to_position,  ///< To where it is to stand.
+};
+
 struct ClaimOwner {
   ClaimKind by = ClaimKind::none;
   Permit of{};                          ///< The call that has begun it.
@@ -253,7 +260,7 @@ class Motors {
   bool may_move(tmcl::AxisAddress motor) const;
   /// Names of the axes that are led, that search, or that were told to turn, as far as is known.
   std::vector<std::string> under_way() const;
-  /// What moved or stopped it last was sent from here, and said where it is to stand.
+  /// What moved or stopped it last was sent from here, and says where it is to stand.
   bool was_sent_to_position(tmcl::AxisAddress motor) const;
   /// A program was started in the module, and none was stopped since: it may move any motor.
   bool may_run_program(tmcl::ModuleAddress module) const { return programs_.contains(module); }
@@ -288,7 +295,7 @@ class Motors {
     Permit searcher{};          ///< Who may move it all the same.
     bool is_referenced = false;
     bool needs_reference = false;
-    bool was_sent_to_position = false;
+    Sent sent = Sent::unseen;
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
