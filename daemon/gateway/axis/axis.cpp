@@ -12,12 +12,9 @@
 #include "gateway/axis/poller.hpp"
 #include "gateway/axis/stop_advice.hpp"
 #include "gateway/journey/awaited_run.hpp"
-#include "gateway/standing_stop.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/program_verbs.hpp"
 #include "tmcl/relative_move.hpp"
-#include "tmcl/scale_factor.hpp"
-#include "tmcl/status_flags.hpp"
 
 namespace tmcld {
 namespace {
@@ -26,13 +23,8 @@ using tmcl::Microsteps;
 
 constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
 
-constexpr std::string_view hint_of_settings = "with its settings, ";
-
 /// For so long an axis must stand at its target whose settings may let it swing about it.
 constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
-
-/// So old what is known of a driver may be when the axis is looked at.
-constexpr tmcl::Duration driver_look_interval = std::chrono::milliseconds(500);
 
 tmcl::Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
   const auto target = std::int64_t{here.value} + distance.value;
@@ -65,44 +57,12 @@ tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosit
   return stands_there ? *requested : tmcl::to_user(here, scale);
 }
 
-/// A stop has ended the search that was under way: that is known, and who sends stops.
-tmcl::Error ended_search(tmcl::Error error) {
-  const bool is_stopped = error.code == tmcl::Errc::superseded_by_stop;
-  if (!is_stopped || error.outcome == tmcl::Outcome::not_sent) return error;
-  error.message = "a stop ended the search of its reference";
-  error.hint = advice_on(name_of(StopCause::client));
-  return error;
-}
-
-tmcl::Error found_no_reference(const std::string& axis) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::move_interrupted;
-  error.outcome = tmcl::Outcome::done;
-  error.message = "the search of axis '" + axis +
-                  "' has ended, and has found no reference: the axis does not stand at zero";
-  error.hint = "another host or its module stopped it; look at its switches, and search again";
-  return error;
-}
-
 tmcl::Error may_change_coordinates(const std::string& axis) {
   return tmcl::not_sent(tmcl::Errc::not_permitted,
                         "axis '" + axis +
                             "' has soft limits, and a program runs in its module, which " +
                             "may change the coordinate after it was checked",
                         "stop the program first, or move the axis alone");
-}
-
-tmcl::Error went_too_far(const std::string& axis, Microsteps limit) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::move_interrupted;
-  error.outcome = tmcl::Outcome::done;
-  error.message = "the search of axis '" + axis + "' has gone further one way than the " +
-                  std::to_string(limit.value) +
-                  " microsteps that it may, and was stopped; cause: search_limit";
-  error.hint =
-      "look at its switches and the mode of the search; if the way to them is longer, "
-      "'home_max_travel' in the configuration or 'max_travel' of the search says so";
-  return error;
 }
 
 }  // namespace
@@ -246,12 +206,6 @@ void GatewayAxis::revoke_movements() {
   if (const auto on = journey()) on->look();
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
-  revoke_movements();
-  auto result = co_await axis_.run(tmcl::verbs::stop_reference_search(address()));
-  co_return result;
-}
-
 GatewayAxis::Awaitable<void> GatewayAxis::recover() {
   // What is noticed while this waits, its caller does not know of.
   const auto latches = bus().motors().latches(address());
@@ -260,74 +214,6 @@ GatewayAxis::Awaitable<void> GatewayAxis::recover() {
   bus().motors().recover(address(), latches);
   if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
   co_return ready;
-}
-
-GatewayAxis::Awaitable<SearchLimit> GatewayAxis::search_limit() {
-  // By how much it may be further from one switch to the other than the soft limits are apart.
-  constexpr double beyond_soft_limits = 1.1;
-  auto travel = axis_.config().home_max_travel;
-  const auto& limits = soft_limits();
-  if (!travel && limits)
-    travel = (limits->greatest.value - limits->least.value) * beyond_soft_limits;
-  if (!travel) co_return SearchLimit{};
-  const auto scale = co_await axis_.run(units_.known_scale());
-  if (!scale) co_return tl::unexpected(scale.error());
-  const double microsteps = std::abs(*travel * microsteps_per_unit(*scale));
-  constexpr double greatest = std::numeric_limits<std::int32_t>::max();
-  co_return SearchLimit{Microsteps{static_cast<std::int32_t>(std::min(microsteps, greatest))}};
-}
-
-std::optional<SearchLimit> GatewayAxis::search_limit_of(Permit permit) const {
-  if (search_.of != permit) return std::nullopt;
-  return std::optional<SearchLimit>(std::in_place, search_.limit);
-}
-
-GatewayAxis::Awaitable<void> GatewayAxis::stop_search(Permit permit, Microsteps limit) {
-  search_ = {permit, limit, true};
-  auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
-                        "the search of axis '" + name() + "' has gone further one way than the " +
-                            std::to_string(limit.value) +
-                            " microsteps that it may, and is stopped; cause: search_limit");
-  event.cause = name_of(StopCause::search_limit);
-  bus().emit(std::move(event));
-  auto stopped = co_await stop(StopCause::search_limit);
-  co_return stopped;
-}
-
-GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options, SearchLimit limit,
-                                                      RunOptions movement) {
-  bus().motors().let_search(address(), movement.permit);
-  search_ = {movement.permit, limit};
-  auto script = tmcl::verbs::home(address(), std::move(options));
-  const ClaimOwner search{ClaimKind::search, movement.permit};
-  auto homed = co_await move(action::Search{}, std::move(script), std::move(movement));
-  if (search_.went_too_far && search_.of == search.of)
-    co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
-  if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
-  // Another call may have seen the end already, to move the axis.
-  if (claim_owner() == search) {
-    auto seen =
-        co_await axis_.run(bus().gate().see_search_end(address()), asked_by(search.of.client));
-    if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
-    if (!seen) co_return tl::unexpected(std::move(seen.error()));
-  }
-  if (auto latch = latched()) {
-    // The search was under way then.
-    latch->outcome = tmcl::Outcome::unknown;
-    co_return tl::unexpected(std::move(*latch));
-  }
-  if (is_referenced()) co_return homed;
-  auto error = found_no_reference(name());
-  co_await add_cause(error, search.of.client);
-  co_return tl::unexpected(axis_.on_bus(std::move(error)));
-}
-
-GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
-                                                     SearchLimit limit, RunOptions movement) {
-  bus().motors().let_search(address(), movement.permit);
-  search_ = {movement.permit, limit};
-  auto script = tmcl::verbs::start_reference_search(address(), mode);
-  return move(action::Search{}, std::move(script), std::move(movement));
 }
 
 GatewayAxis::Awaitable<RestingPosition> GatewayAxis::wait(tmcl::WaitOptions wait_options,
@@ -545,160 +431,6 @@ boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
   motors.note_unattended(address());
   bus().audit("axis=" + name() + " turns unattended: no client owns its motion");
   co_await enter_journal();
-}
-
-// ---- why it stands -----------------------------------------------------------------------------
-
-std::optional<StopCause> GatewayAxis::stop_cause() const {
-  return latched() ? StopCause::supply : stop_cause_;
-}
-
-void GatewayAxis::note_stop(StopCause cause) {
-  was_moving_ = false;
-  if (!stop_cause_) stop_cause_ = cause;
-}
-
-boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std::uint64_t client) {
-  const bool moves = state.velocity.value != 0;
-  const bool is_stopped = !bus().motors().may_move(address());
-  if ((moves && !is_stopped) || state.position == state.target) stop_cause_.reset();
-  // Who leads it knows why it stands; and between two directions it does so for a moment.
-  const bool stopped = was_moving_ && !moves && state.position != state.target &&
-                       claim_kind() == ClaimKind::none && !latched();
-  was_moving_ = moves;
-  if (moves) seen_moving_ = bus().clock().now();
-  if (!stopped) co_return;
-  if (is_stopped) co_return note_stop(StopCause::client);
-  const auto here = state.position;
-  auto again = co_await axis_.run(tmcl::verbs::state(address()), asked_by(client));
-  const bool stands = again && again->velocity.value == 0 && again->position == here;
-  if (stands && !stop_cause_) co_await find_cause(client);
-}
-
-tmcl::Script<tmcl::Result<DriverReading>> GatewayAxis::read_driver(
-    std::optional<tmcl::InternalVelocity> velocity) {
-  const auto units = co_await units_.module_units();
-  auto script = tmcld::read_driver(address(), parameters(), units.value_or(std::nullopt), velocity);
-  auto reading = co_await std::move(script);
-  co_return reading;
-}
-
-GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(
-    tmcl::Duration max_age, RunOptions options, std::optional<tmcl::InternalVelocity> velocity) {
-  if (is_driver_known(max_age)) co_return tmcl::Result<void>{};
-  auto seen = co_await axis_.run(read_driver(velocity), std::move(options));
-  if (!seen) co_return tl::unexpected(std::move(seen.error()));
-  note_driver(std::move(*seen));
-  co_return tmcl::Result<void>{};
-}
-
-bool GatewayAxis::is_driver_known(tmcl::Duration max_age) const {
-  return driver_seen_ && bus().clock().now() - *driver_seen_ < max_age;
-}
-
-namespace {
-
-/// Pauses until then, and looks each time that a look is due.
-tmcl::Script<tmcl::Result<void>> pause_and_look(
-    tmcl::TimePoint end, std::function<tmcl::Script<tmcl::Result<void>>()> look) {
-  auto left = tmcl::Duration{};
-  do {
-    co_await look();
-    left = std::max(end - co_await tmcl::current_time(), tmcl::Duration{});
-    co_await tmcl::pause(std::min(left, driver_look_interval));
-  } while (left > driver_look_interval);
-  co_return tmcl::Result<void>{};
-}
-
-}  // namespace
-
-/// Carries out a wait, and looks at the driver while that pauses: an open load is told only while
-/// the axis turns.
-tmcl::Script<tmcl::Result<Microsteps>> GatewayAxis::look_at_driver_meanwhile(
-    std::shared_ptr<GatewayAxis> self, tmcl::Script<tmcl::Result<Microsteps>> wait) {
-  const auto look = [self]() -> tmcl::Script<tmcl::Result<void>> {
-    if (self->is_driver_known(driver_look_interval) || self->bus().has_paths())
-      co_return tmcl::Result<void>{};
-    auto seen = co_await self->read_driver();
-    if (seen) self->note_driver(std::move(*seen));
-    co_return tmcl::Result<void>{};
-  };
-  auto now = co_await tmcl::current_time();
-  auto step = wait.start(now);
-  while (step) {
-    tmcl::StepResult results;
-    if (const auto* pause = std::get_if<tmcl::step::Pause>(&*step)) {
-      co_await pause_and_look(now + pause->duration, look);
-    } else if (auto* one = std::get_if<tmcl::step::Exchange>(&*step)) {
-      results.push_back(co_await tmcl::exchange(one->request, one->options));
-    } else {
-      auto& all = std::get<tmcl::step::ExchangeAll>(*step).exchanges;
-      results = co_await tmcl::exchange_all(std::move(all));
-    }
-    now = co_await tmcl::current_time();
-    step = wait.resume(std::move(results), now);
-  }
-  co_return wait.take();
-}
-
-void GatewayAxis::note_driver(DriverReading reading) {
-  driver_seen_ = bus().clock().now();
-  supply_volts_ = reading.supply_volts;
-  auto faults = open_loads_.judge(std::move(reading));
-  if (std::exchange(faults_, std::move(faults)) == faults_) return;
-  const auto text = faults_.empty()
-                        ? "the driver of axis '" + name() + "' reports no fault any more"
-                        : "axis '" + name() + "': " + words_for(faults_);
-  bus().emit(event_of(*this, GatewayEvent::Kind::axis_fault, text));
-}
-
-GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults(std::uint64_t client) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()), asked_by(client));
-  if (!report) co_return report;
-  DriverReading reading{report->driver_faults()};
-  reading.supply_volts = report->supply_volts;
-  if (std::ranges::any_of(reading.faults, is_open_load)) {
-    const auto units = co_await axis_.run(units_.module_units(), asked_by(client));
-    auto script = turns_slowly(address(), parameters(), units.value_or(std::nullopt));
-    const auto slow = co_await axis_.run(std::move(script), asked_by(client));
-    reading.turns_slowly = slow.value_or(false);
-  }
-  note_driver(std::move(reading));
-  std::erase_if(report->flags, [this](std::string_view flag) {
-    return std::ranges::count(unproven_faults(), flag) != 0;
-  });
-  if (report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
-  if (report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
-  co_return report;
-}
-
-boost::asio::awaitable<void> GatewayAxis::find_cause(std::uint64_t client) {
-  auto cause = co_await axis_.run(find_stop_cause(address(), parameters()), asked_by(client));
-  if (!cause || stop_cause_) co_return;
-  // Nothing else is to blame, and its module was left alone for too long since it was seen moving.
-  const bool says_nothing = *cause == StopCause::unknown || *cause == StopCause::velocity_mode;
-  if (says_nothing && module().deadman().last_gap() > seen_moving_) cause = StopCause::deadman;
-  stop_cause_ = *cause;
-  auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
-                        "axis '" + name() +
-                            "' stands short of its target, and no stop is known "
-                            "it; cause: " +
-                            std::string(name_of(*cause)));
-  event.cause = name_of(*cause);
-  bus().emit(std::move(event));
-}
-
-boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error, std::uint64_t client) {
-  if (!stop_cause_) co_await find_cause(client);
-  if (!stop_cause_) co_return;
-  error.message += "; cause: " + std::string(name_of(*stop_cause_));
-  const auto advice = advice_on(name_of(*stop_cause_));
-  if (advice.empty()) co_return;
-  // What its settings make of its moves is said as well.
-  const bool says_more = error.hint.starts_with(hint_of_settings);
-  error.hint = std::string(advice) + (says_more ? "; " + error.hint : "");
 }
 
 void GatewayAxis::forget_move() {

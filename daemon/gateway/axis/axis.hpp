@@ -4,6 +4,7 @@
 /// stop goes out after it: also not the second half of a verb of several exchanges.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -40,6 +41,9 @@ struct RestingPosition {
   Faults faults{};                      ///< Of its driver and its supply, when it had arrived.
   Faults unproven{};                    ///< What its driver says that may not be so.
 };
+
+/// So old what is known of a driver may be when its axis is looked at.
+constexpr tmcl::Duration driver_look_interval = std::chrono::milliseconds(500);
 
 /// The farthest that a reference search may go one way; nothing: as far as it likes.
 using SearchLimit = std::optional<tmcl::Microsteps>;
