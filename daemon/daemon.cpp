@@ -169,6 +169,7 @@ awaitable<void> Daemon::begin_to_serve(Daemon& daemon) {
     daemon.http_->start();
     for (const auto& address : daemon.http_->addresses()) log(LogLevel::info, "serving " + address);
   }
+  daemon.is_serving_ = true;
   if (!daemon.service_.is_watched()) co_return;
   daemon.service_.ready(daemon.status());
   spawn(daemon.context_.get_executor(), report(daemon));

@@ -62,6 +62,13 @@ class Daemon {
   static boost::asio::awaitable<tl::expected<std::string, std::vector<std::string>>> reload(
       Daemon& daemon, Config config);
   bool has_ended() const { return has_ended_; }
+  /// Clients are let in.
+  bool is_serving() const { return is_serving_; }
+  bool is_ending() const { return ending_; }
+  /// A client by the unix socket waits for an answer.
+  bool has_calls_in_flight() const { return server_->has_calls_in_flight(); }
+  /// A client by the unix socket has not taken yet what it is told.
+  bool has_output() const { return server_->has_output(); }
 
   Gateway& gateway() { return *gateway_; }
   boost::asio::io_context& context() { return context_; }
@@ -99,6 +106,7 @@ class Daemon {
   std::shared_ptr<HttpServer> http_;  ///< Null: there is none.
   bool has_failed_ = false;
   bool has_stopped_all_ = false;
+  bool is_serving_ = false;
   bool ending_ = false;
   bool end_runs_ = false;
   bool has_ended_ = false;

@@ -11,6 +11,7 @@
 #include "async/spawn.hpp"
 #include "log/log.hpp"
 #include "tmcl/api/lease.hpp"
+#include "tmcl/virtual_time.hpp"
 
 namespace tmcld {
 namespace {
@@ -19,7 +20,13 @@ using boost::asio::awaitable;
 
 static_assert(max_unsent_answers >= 3 * max_requests_in_flight);
 
-boost::json::object hello(Session::Serves serves) {
+/// A time of the daemon's own, which goes on by calls: a clock of its client's says nothing of it.
+bool is_in_virtual_time(const boost::asio::any_io_executor& executor) {
+  auto& context = boost::asio::query(executor, boost::asio::execution::context);
+  return tmcl::VirtualTime::of(static_cast<boost::asio::io_context&>(context)).has_value();
+}
+
+boost::json::object hello(Session::Serves serves, bool is_in_virtual_time) {
   boost::json::object protocol;
   protocol["major"] = 1;
   protocol["minor"] = 1;
@@ -27,6 +34,7 @@ boost::json::object hello(Session::Serves serves) {
   params["protocol"] = std::move(protocol);
   params["daemon"] = TMCL_VERSION;
   if (serves == Session::Serves::stops) params["serves"] = "stops";
+  if (is_in_virtual_time) params["time"] = "virtual";
   return params;
 }
 
@@ -60,7 +68,10 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }) {}
 
-void Session::greet() { outbox_.push_answer(notification_line("hello", hello(serves_))); }
+void Session::greet() {
+  const auto greeting = hello(serves_, is_in_virtual_time(executor_));
+  outbox_.push_answer(notification_line("hello", greeting));
+}
 
 void Session::finish() {
   finishing_ = true;
@@ -137,6 +148,7 @@ void Session::take_message(std::optional<std::string_view> message) {
   if (!message) return answer(nullptr, tl::unexpected(line_too_long()));
   if (message->find_first_not_of(" \t\r") == std::string_view::npos) return;
   auto [id, request] = parse_request(*message);
+  if (request && request->sent_at && is_in_virtual_time(executor_)) request->sent_at.reset();
   if (request) return begin(std::move(*request));
   answer(id, tl::unexpected(std::move(request.error())));
 }

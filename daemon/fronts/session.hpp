@@ -59,6 +59,8 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   void close();
   bool is_closed() const { return closed_; }
   bool has_calls_in_flight() const;
+  /// Something of what a front has taken may wait there.
+  virtual bool has_output() const { return !outbox_.empty() || notifications_.has_pending(); }
   /// Whether its client may do less than when this was asked last; the log is told. Its connection
   /// must then be closed, so that what it has asked for and was not sent yet moves nothing.
   bool has_lost_rights();
@@ -92,8 +94,6 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   const boost::asio::any_io_executor& executor() const { return executor_; }
   Gateway& gateway() { return *gateway_; }
 
-  /// Something of what a front has taken may wait there.
-  virtual bool has_output() const { return !outbox_.empty() || notifications_.has_pending(); }
   virtual void on_answer() { output_.notify(); }
   /// Ends the connection, after everything else has ended.
   virtual void disconnect() = 0;

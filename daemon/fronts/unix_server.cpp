@@ -80,6 +80,15 @@ void UnixServer::review_rights() {
     if (session->has_lost_rights()) session->close();
 }
 
+bool UnixServer::has_calls_in_flight() const {
+  return std::ranges::any_of(sessions_,
+                             [](const auto& one) { return one.second->has_calls_in_flight(); });
+}
+
+bool UnixServer::has_output() const {
+  return std::ranges::any_of(sessions_, [](const auto& one) { return one.second->has_output(); });
+}
+
 awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
   while (self->acceptor_.is_open()) {
     boost::system::error_code error;

@@ -42,6 +42,9 @@ class UnixServer : public std::enable_shared_from_this<UnixServer> {
   /// that may do less by it.
   void review_rights();
   std::size_t clients() const { return sessions_.size(); }
+  bool has_calls_in_flight() const;
+  /// That clients have not taken yet.
+  bool has_output() const;
 
  private:
   using Protocol = boost::asio::local::stream_protocol;

@@ -18,6 +18,7 @@ class UnixSession final : public Session {
 
   /// Says hello and begins to read; returns at once.
   void start();
+  bool has_output() const override { return !batch_.empty() || Session::has_output(); }
 
  private:
   static boost::asio::awaitable<void> read(std::shared_ptr<UnixSession> self);
@@ -25,7 +26,6 @@ class UnixSession final : public Session {
 
   boost::asio::awaitable<void> outlive_input();
   bool has_hung_up();
-  bool has_output() const override { return !batch_.empty() || Session::has_output(); }
   std::string take_output();
   void on_answer() override;
   void send_answers();

@@ -40,6 +40,11 @@ TEST(SimOptions, AFirmwareIsThatOfTheModuleBefore) {
   EXPECT_EQ(modules[2].settings.firmware, (FirmwareRelease{9, 99}));
 }
 
+TEST(SimOptions, AGatewayTakesNoPort) {
+  EXPECT_THAT(error_of({"--module", "TMCM-1110", "--gateway", "tmcld.toml"}),
+              HasSubstr("--gateway takes no port"));
+}
+
 TEST(SimOptions, AFirmwareHasAModuleOfItsOwn) {
   EXPECT_THAT(error_of({"--firmware", "1.09", "--module", "TMCM-1110"}),
               HasSubstr("--firmware 1.09 stands before any --module"));

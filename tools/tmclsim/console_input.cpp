@@ -5,13 +5,12 @@
 #include <boost/asio/read_until.hpp>
 #include <iostream>
 #include <string>
-
-#include "console.hpp"
+#include <utility>
 
 namespace tmclsim {
 
-ConsoleInput::ConsoleInput(boost::asio::io_context& io, tmcl::sim::Scheduler& scheduler)
-    : scheduler_(&scheduler), input_(io, ::dup(STDIN_FILENO)) {}
+ConsoleInput::ConsoleInput(boost::asio::io_context& io, Answer answer)
+    : answer_(std::move(answer)), input_(io, ::dup(STDIN_FILENO)) {}
 
 void ConsoleInput::listen() {
   boost::asio::async_read_until(input_, buffer_, '\n', [this](const auto& error, std::size_t) {
@@ -25,8 +24,7 @@ void ConsoleInput::answer_lines() {
   std::istream stream(&buffer_);
   std::string line;
   std::getline(stream, line);
-  const auto answer = run_console_line(scheduler_->bench(), line);
-  scheduler_->touch();
+  const auto answer = answer_(line);
   if (!answer.empty()) std::cout << answer << std::endl;
 }
 

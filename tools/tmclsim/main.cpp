@@ -2,20 +2,25 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include "console.hpp"
 #include "console_input.hpp"
+#include "log/log.hpp"
 #include "options.hpp"
+#include "own_gateway.hpp"
 #include "replay.hpp"
 #include "sim/bench.hpp"
 #include "sim/ports/can_port.hpp"
@@ -32,6 +37,7 @@ namespace sim = tmcl::sim;
 using Ports = std::vector<std::unique_ptr<sim::Port>>;
 
 constexpr int exit_failed = 1;
+constexpr int exit_wrong = 2;
 
 struct Memory {
   sim::Module* module;
@@ -143,7 +149,7 @@ sim::SerialWire serial_wire(const tmclsim::Options& options, const sim::Bench& b
   sim::SerialWire wire;
   wire.echoes = wires.echo;
   wire.noise = wires.noise;
-  wire.seed = options.seed;
+  wire.seed = wires.seed;
   if (!wires.has_pace) return wire;
   using tmcl::global_parameter::serial_baud_rate;
   const auto code = bench.modules().front()->globals().value(serial_baud_rate);
@@ -167,12 +173,13 @@ bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
   }
   for (const auto& [module, path] : options.usb_ptys) {
     auto& owner = *scheduler.bench().modules().at(module);
-    if (!keep(ports, sim::open_usb_pty_port(io, scheduler, owner, path, options.seed + module)))
+    if (!keep(ports,
+              sim::open_usb_pty_port(io, scheduler, owner, path, options.wires.seed + module)))
       return false;
   }
   for (const auto& [module, layout] : options.usb_devices) {
     auto& owner = *scheduler.bench().modules().at(module);
-    if (!keep(ports, sim::open_usb_port(io, scheduler, owner, layout, options.seed + module)))
+    if (!keep(ports, sim::open_usb_port(io, scheduler, owner, layout, options.wires.seed + module)))
       return false;
   }
   if (!options.can_interfaces.empty()) warn_of_replies_taken_for_commands(scheduler.bench());
@@ -215,12 +222,51 @@ int run(const tmclsim::Options& options) {
   Memories memories;
   if (!add_modules(io, bench, options, memories)) return exit_failed;
   if (!open_ports(io, scheduler, options, ports)) return exit_failed;
-  tmclsim::ConsoleInput console(io, scheduler);
+  tmclsim::ConsoleInput console(io, [&](std::string_view line) {
+    auto answer = tmclsim::run_console_line(bench, line);
+    scheduler.touch();
+    return answer;
+  });
   if (options.console) console.listen();
   std::cout << "ready" << std::endl;
   io.run();
   tell_of_wear(memories);
   return 0;
+}
+
+int run_gateway(const tmclsim::Options& options, const tmcld::Config& config) {
+  boost::asio::io_context io(1);
+  tmcl::VirtualTime time(io);
+  const tmcl::ContextClock clock(io);
+  sim::Bench bench(clock);
+  sim::Scheduler scheduler(io, bench);
+  Memories memories;
+  if (!add_modules(io, bench, options, memories)) return exit_failed;
+  const auto gateway = tmclsim::OwnGateway::create(io, time, scheduler, config, options.wires);
+  if (!gateway) {
+    std::cerr << "tmclsim: " << gateway.error() << '\n';
+    return exit_failed;
+  }
+  tmclsim::ConsoleInput console(io, [&](auto line) { return (*gateway)->answer(line); });
+  if (options.console) console.listen();
+  std::cout << "ready" << std::endl;
+  (*gateway)->run();
+  tell_of_wear(memories);
+  return 0;
+}
+
+int run_with_gateway(const tmclsim::Options& options) {
+  const auto config = tmclsim::load_gateway_config(options.gateway);
+  if (!config) {
+    for (const auto& line : config.error()) std::cerr << line << '\n';
+    return exit_wrong;
+  }
+  // As in tmcld: a peer that has gone is an error value of the write.
+  std::signal(SIGPIPE, SIG_IGN);
+  tmcld::start_log(config->daemon.log_level);
+  const int status = run_gateway(options, *config);
+  if (!tmcld::end_log()) std::_Exit(status);
+  return status;
 }
 
 }  // namespace
@@ -232,7 +278,8 @@ int main(int argc, char** argv) try {
     (exit.status == 0 ? std::cout : std::cerr) << exit.message;
     return exit.status;
   }
-  return options->replay.empty() ? run(*options) : run_replay(*options);
+  if (!options->replay.empty()) return run_replay(*options);
+  return options->gateway.empty() ? run(*options) : run_with_gateway(*options);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "tmclsim: %s\n", error.what());
   return exit_failed;

@@ -18,8 +18,8 @@ namespace {
 
 constexpr auto known_options = std::to_array<std::string_view>(
     {"--module", "--firmware", "--as", "--bench", "--pty", "--usb-pty", "--usb", "--can", "--tcp",
-     "--pace", "--echo", "--noise", "--eeprom", "--seed", "--replay", "--console", "--help",
-     "--version"});
+     "--pace", "--echo", "--noise", "--eeprom", "--seed", "--gateway", "--replay", "--console",
+     "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -134,6 +134,15 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     temperature 1 40     it has so many degrees centigrade
     power 1 off          its supply fails; on, or cycle for both: it starts again
     shutdown 1 1         its shutdown input is high, for global parameter 80
+    run 2.5              with --gateway: let so many seconds of virtual time pass; answered then
+    now                  the same: answered with "ok", and the seconds that have passed
+
+With --gateway there is no port: a tmcld with the configuration FILE runs in this process, its buses
+lead to these modules whatever their links are, and its clients come by its socket. Time is virtual. It
+stands still while no client waits for an answer; while one does, it goes from event to event as fast
+as that can be computed, at the pace that a wire has at the baud rate of its link. So a wait for a move
+of a minute is over in milliseconds, and ends the same every time. FILE has no [http] and no [[port]].
+    tmclsim --module TMCM-3110 --gateway tmcld.toml --console
 
 With --replay, there is no port: the modules are asked what FILE has recorded (tmclctl trace -w), as
 far apart as then but in virtual time, and each reply that is not the recorded one is printed. The
@@ -218,9 +227,13 @@ void describe(CLI::App& app, OptionWords& words) {
   app.add_option("--noise", words.options.wires.noise,
                  "Serial lines: how likely a byte gets a wrong bit, such as 0.001")
       ->type_name("RATE");
-  app.add_option("--seed", words.options.seed,
+  app.add_option("--seed", words.options.wires.seed,
                  "Draw what is random, noise and how long USB takes, from this (default 0)")
       ->type_name("N");
+  app.add_option("--gateway", words.options.gateway,
+                 "Serve them by a tmcld in this process, with this configuration, in virtual time "
+                 "(see below)")
+      ->type_name("FILE");
   app.add_option("--replay", words.options.replay,
                  "Ask the modules what FILE has recorded, and compare what they answer (see below)")
       ->type_name("FILE");
@@ -309,7 +322,8 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const OptionWords
 // A port by USB has the pace that USB has, and no wires.
 tl::expected<void, EarlyExit> check_wires(OptionWords& words, bool has_pace) {
   auto& wires = words.options.wires;
-  const bool has_line = !words.options.ptys.empty() || !words.tcp.empty();
+  const bool has_line =
+      !words.options.ptys.empty() || !words.tcp.empty() || !words.options.gateway.empty();
   if ((wires.echo || wires.noise != 0) && !has_line)
     return tl::unexpected(
         wrong("--echo and --noise are of serial lines: --pty PATH, --tcp HOST:PORT."));
@@ -325,6 +339,23 @@ tl::expected<void, EarlyExit> check_wires(OptionWords& words, bool has_pace) {
   return {};
 }
 
+tl::expected<void, EarlyExit> check_ways(const Options& options, bool has_port) {
+  const bool replays = !options.replay.empty();
+  const bool has_gateway = !options.gateway.empty();
+  if (replays && (has_port || options.console || has_gateway))
+    return tl::unexpected(
+        wrong("--replay takes no port, no console and no gateway: it asks by itself."));
+  if (has_gateway && has_port)
+    return tl::unexpected(
+        wrong("--gateway takes no port: a host there would not have its virtual time."));
+  if (!replays && !has_gateway && !has_port) {
+    return tl::unexpected(
+        wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --usb, "
+              "--can INTERFACE or --tcp HOST:PORT"));
+  }
+  return {};
+}
+
 tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
   if (words.modules.empty() && words.bench.empty()) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
@@ -332,15 +363,9 @@ tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
   const auto& ports = words.options;
   const bool has_usb = !words.usb_ptys.empty() || !words.usb_devices.empty();
   const bool has_serial = !ports.ptys.empty() || !words.tcp.empty();
-  const bool has_port = has_usb || has_serial || !ports.can_interfaces.empty();
-  const bool replays = !ports.replay.empty();
-  if (replays && (has_port || ports.console))
-    return tl::unexpected(wrong("--replay takes no port and no console: it asks by itself."));
-  if (!replays && !has_port) {
-    return tl::unexpected(
-        wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --usb, "
-              "--can INTERFACE or --tcp HOST:PORT"));
-  }
+  if (auto checked = check_ways(ports, has_usb || has_serial || !ports.can_interfaces.empty());
+      !checked)
+    return tl::unexpected(checked.error());
   if (auto checked = check_wires(words, has_pace); !checked) return tl::unexpected(checked.error());
   auto modules = all_modules(words);
   if (!modules) return tl::unexpected(wrong(modules.error()));

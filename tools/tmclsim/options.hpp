@@ -19,6 +19,7 @@ struct Wires {
   std::uint32_t baud = 0;  ///< Of serial lines; 0: the modules' own, each.
   bool echo = false;
   double noise = 0;
+  std::uint64_t seed = 0;  ///< Of whatever is drawn.
 };
 
 struct Options {
@@ -29,8 +30,8 @@ struct Options {
   std::vector<std::string> can_interfaces;
   std::vector<tmcl::sim::Endpoint> tcp_endpoints;
   Wires wires;
-  std::uint64_t seed = 0;  ///< Of whatever is drawn.
   bool console = false;
+  std::string gateway;        ///< A configuration of tmcld, for one in virtual time; empty: none.
   std::string replay;         ///< A file with recorded traffic; empty: none.
   std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
 };

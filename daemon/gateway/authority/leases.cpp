@@ -139,6 +139,10 @@ void Leases::end_of(std::uint64_t client) {
     lose(one->first, "closed", "was lost: its holder has gone");
 }
 
+void Leases::put_off(tmcl::Duration duration) {
+  for (auto& [number, lease] : leases_) lease.expires += duration;
+}
+
 void Leases::lose(std::int32_t number, std::string_view reason, const std::string& why) {
   // To tell of it takes memory; to lose it, and to stop its axes, must not wait for that.
   const auto lost = leases_.extract(number);

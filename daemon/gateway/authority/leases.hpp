@@ -84,6 +84,8 @@ class Leases : public std::enable_shared_from_this<Leases> {
   void break_lease(const GatewayAxis& axis, const std::string& by);
   /// The client has gone. Its leases are lost.
   void end_of(std::uint64_t client);
+  /// Lets all of them run out so much later: for a time in which no holder can renew one.
+  void put_off(tmcl::Duration duration);
   const std::map<std::int32_t, Lease>& all() const { return leases_; }
 
  private:

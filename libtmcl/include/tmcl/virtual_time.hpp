@@ -42,6 +42,12 @@ class VirtualTime {
     timeline_->time_for_work = std::move(time);
   }
 
+  /// When the earliest timer ends; none if there is no timer.
+  std::optional<TimePoint> next_due() const {
+    const auto next = timeline_->earliest();
+    return next ? std::optional(next->first) : std::nullopt;
+  }
+
   /// Does all that can be done now.
   void settle() {
     context_->restart();
