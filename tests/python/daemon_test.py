@@ -11,9 +11,13 @@ from tmcl.testing import Bench
 UNIT = {"unit": "mm", "units_per_revolution": 8.0, "soft_limits": [-100, 100]}
 
 
-class DaemonTest(unittest.TestCase):
+class BenchTest(unittest.TestCase):
+    virtual_time = False
+
     def setUp(self):
-        self.bench = self.enterContext(Bench("TMCM-3110", axes={"x": UNIT, "y": {}}))
+        axes = {"x": UNIT, "y": {}}
+        self.bench = self.enterContext(
+            Bench("TMCM-3110", axes=axes, virtual_time=self.virtual_time))
 
     def connect(self, **how):
         return self.enterContext(self.bench.connect(**how))
@@ -27,6 +31,10 @@ class DaemonTest(unittest.TestCase):
         seen = set()
         while seen != {"x", "y"}:
             seen.add(next(states).axis)
+
+
+class MovesTest(BenchTest):
+    virtual_time = True
 
     def test_moves_waits_and_says_where_an_axis_is(self):
         d = self.connect()
@@ -63,14 +71,6 @@ class DaemonTest(unittest.TestCase):
         self.assertEqual((refused.outcome, refused.data["status_name"]),
                          ("refused", "invalid_value"))
 
-    def test_a_wait_is_told_of_a_stop(self):
-        d = self.connect()
-        d.x.move(90)
-        threading.Timer(0.1, d.x.stop).start()
-        self.assertEqual(self.failure(d.x.wait).name, "move_interrupted")
-        d.x.move(0)
-        d.x.wait()
-
     def test_a_lease_keeps_others_out_until_it_is_broken(self):
         mine, others = self.connect(), self.connect()
         with self.assertRaises(tmcl.LeaseLost):
@@ -84,6 +84,29 @@ class DaemonTest(unittest.TestCase):
         others.x.move(0)
         others.x.wait()
         self.assertEqual(mine.rpc.lease_list().leases, ())
+
+    def test_records_a_move(self):
+        d = self.connect()
+        with d.record("x", interval=0.01) as recording:
+            d.x.move_by(1)
+            d.x.wait()
+            d.x.move(0)
+            d.x.wait()
+        self.assertGreater(len(recording.of("x")), 3)
+        seen = [state.position for state in recording.states]
+        self.assertGreater(max(seen), 0.5)
+
+
+class DaemonTest(BenchTest):
+    """What ends, starts again or comes in between by the computer's clock."""
+
+    def test_a_wait_is_told_of_a_stop(self):
+        d = self.connect()
+        d.x.move(90)
+        threading.Timer(0.1, d.x.stop).start()
+        self.assertEqual(self.failure(d.x.wait).name, "move_interrupted")
+        d.x.move(0)
+        d.x.wait()
 
     def test_a_lease_held_by_hand_runs_out(self):
         d = self.connect()
@@ -128,17 +151,6 @@ class DaemonTest(unittest.TestCase):
                 while True:
                     d.x.state()
         self.assertEqual(d.x.state().lease, None)
-
-    def test_records_a_move(self):
-        d = self.connect()
-        with d.record("x", interval=0.01) as recording:
-            d.x.move_by(1)
-            d.x.wait()
-            d.x.move(0)
-            d.x.wait()
-        self.assertGreater(len(recording.of("x")), 3)
-        seen = [state.position for state in recording.states]
-        self.assertGreater(max(seen), 0.5)
 
 
 if __name__ == "__main__":

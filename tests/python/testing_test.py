@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import tempfile
+import time
 import unittest
 from unittest import mock
 
@@ -26,6 +27,12 @@ def test_moves(tmcl_bench):
     d.x.wait()
     assert d.x.position == 0.5
     assert other.z.state().position_microsteps == 0
+
+def test_moves_for_a_minute(tmcl_bench):
+    d = tmcl_bench("TMCM-1110", virtual_time=True)
+    d.x.rotate(internal=100)
+    d.bench.run_for(60)
+    assert d.x.state().position_microsteps > 100_000
 
 def test_fails(tmcl_bench):
     d = tmcl_bench("TMCM-1110")
@@ -119,8 +126,119 @@ class TestingTest(unittest.TestCase):
         environment = {**os.environ, "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
         ran = subprocess.run([*PYTEST, self.folder], env=environment, capture_output=True, text=True)
         self.assertEqual(ran.returncode, 1, ran.stdout + ran.stderr)
-        self.assertIn("1 failed, 1 passed", ran.stdout)
+        self.assertIn("1 failed, 2 passed", ran.stdout)
         self.assertIn("method=axis.move_to", ran.stdout[ran.stdout.index("stdout teardown"):])
+
+
+class VirtualTimeTest(unittest.TestCase):
+    """What takes a minute here takes milliseconds of the computer's time."""
+
+    def bench(self, *models, **how):
+        return self.enterContext(tmcl.testing.bench(*models, virtual_time=True, **how))
+
+    def test_a_move_of_a_minute_arrives_when_it_was_predicted_to(self):
+        d = self.bench("TMCM-3110", unit="mm", screw_pitch=5)
+        d.x.set("max_velocity", in_unit="1 mm/s")
+        began = d.bench.now
+        started = d.x.move(60)
+        self.assertGreater(started.predicted_s, 59)
+        self.assertLess(d.x.position, 1)
+        self.assertEqual(d.x.wait().position, 60)
+        self.assertLess(abs(d.bench.now - began - started.predicted_s), 0.1)
+
+    def test_time_stands_still_between_calls_and_passes_when_it_is_asked_for(self):
+        d = self.bench("TMCM-1110")
+        before = d.bench.now
+        time.sleep(0.1)
+        self.assertEqual(d.bench.now, before)
+        d.bench.run_for(3600)
+        self.assertEqual(d.bench.now, before + 3600)
+        with self.assertRaises(tmcl.Error) as raised:
+            d.bench.run_for(-1)
+        self.assertEqual(raised.exception.name, "bad_argument")
+
+    def trace(self):
+        """All that a program hears in a script of a minute."""
+        heard = []
+        with tmcl.testing.bench("TMCM-3110", virtual_time=True, unit="mm", screw_pitch=5) as d:
+            with d.record("x", "y") as recording:
+                heard += [d.x.move(5), d.y.move(-4), d.x.wait()]
+                d.bench.run_for(0.5)
+                heard += [d.y.state(), d.x.move(-2), d.y.wait()]
+                heard.append(d.x.state())  # behind all that was told before it
+            d.x.rotate(internal=300)
+            with self.assertRaises(tmcl.Error) as raised:
+                d.x.wait(timeout=45)
+            d.x.stop()
+            d.bench.run_for(10)
+            heard += [raised.exception.message, d.x.state(), d.bench.now]
+        return heard, recording.states
+
+    def test_the_same_script_hears_the_same_each_time(self):
+        first, second = self.trace(), self.trace()
+        self.assertGreater(len(first[1]), 30)
+        self.assertEqual(first, second)
+
+    def test_a_lease_runs_out_in_virtual_time_alone(self):
+        d = self.bench("TMCM-1110")
+        with self.assertRaises(tmcl.LeaseLost):
+            with d.lease("x", ttl=0.2, by_hand=True) as lease:
+                time.sleep(0.3)
+                d.x.move(microsteps=200_000)
+                d.x.wait()
+                d.bench.run_for(0.15)
+                lease.renew()
+                d.bench.run_for(0.15)
+                d.x.move(microsteps=0)
+                d.bench.run_for(0.25)
+                d.x.move(microsteps=100_000)
+        d.bench.run_for(1)
+        self.assertFalse(d.x.moving)
+        self.assertGreater(d.x.state().position_microsteps, 0)
+
+    def test_a_lease_is_renewed_while_time_passes(self):
+        d = self.bench("TMCM-1110")
+        with d.lease("x", ttl=0.2):
+            d.x.rotate(internal=50)
+            d.bench.run_for(30)
+            self.assertTrue(d.x.moving)
+            d.bench.run_for(0.1)
+            self.assertAlmostEqual(d.bench.now, 30.1, delta=0.1)
+
+    def test_an_axis_turns_until_its_client_goes(self):
+        with tmcl.testing.Bench("TMCM-1110", virtual_time=True) as made, made.connect() as watching:
+            with made.connect() as d:
+                d.x.rotate(internal=100)
+                made.run_for(10)
+                self.assertTrue(watching.x.moving)
+            made.run_for(1)
+            self.assertFalse(watching.x.moving)
+
+    def test_a_daemon_does_not_end_without_its_modules(self):
+        with tmcl.testing.Bench("TMCM-1110", virtual_time=True) as made:
+            for refused in (made.stop_daemon, made.start_daemon):
+                with self.assertRaises(tmcl.Error) as raised:
+                    refused()
+                self.assertEqual(raised.exception.name, "not_in_this_time")
+            self.assertTrue(pathlib.Path(f"/proc/{made.daemon_pid}").exists())
+        with tmcl.testing.Bench("TMCM-1110") as made, self.assertRaises(tmcl.Error) as raised:
+            made.run_for(1)
+        self.assertIn("virtual_time=True", raised.exception.message)
+
+    def test_what_is_wrong_is_told_in_the_words_of_the_program(self):
+        with self.assertRaises(tmcl.Error) as raised:
+            self.bench("TMCM-1110", unit="mm", screw_pich=5)
+        self.assertIn("unknown key 'screw_pich'", raised.exception.message)
+
+    def test_nothing_is_left_and_the_log_is_there(self):
+        with tmcl.testing.Bench("TMCM-1110", virtual_time=True) as made:
+            with made.connect() as d:
+                d.x.move(microsteps=1)
+            while "method=axis.move_to" not in made.log():  # another thread writes it
+                time.sleep(0.01)
+            process = made.daemon_pid
+        self.assertFalse(pathlib.Path(f"/proc/{process}").exists())
+        self.assertFalse(made.folder.exists())
 
 
 if __name__ == "__main__":

@@ -118,6 +118,19 @@ class Gateway:
     async def __aexit__(self, *_: object) -> None:
         await self.close()
 
+    def _shortest_ttl(self) -> float:
+        """Of the leases that are not renewed by hand."""
+        return min((lease.ttl for lease in self._leases if not lease.by_hand), default=math.inf)
+
+    async def _renew_leases(self) -> None:
+        """Those, in virtual time, in which no clock of this program says when."""
+        for lease in self._leases:
+            if not lease.by_hand:
+                try:
+                    await lease.renew()
+                except LeaseLost:
+                    pass  # the next call says so
+
     def _under_lease(self, method: str, said: dict[str, Any]) -> dict[str, Any]:
         """A call that acts names the lease that it is made under, so that the daemon refuses it
         when that has ended. Raises LeaseLost where that is known already."""
@@ -271,17 +284,18 @@ class Lease:
         self.key: dict[str, int] = {}
         self._gateway = gateway
         self._params = {"axes": list(axes), "ttl_ms": _milliseconds("ttl", ttl), "on_loss": on_loss}
-        self._ttl = ttl
-        self._by_hand = by_hand
+        self.ttl = ttl
+        self.by_hand = by_hand
         self._live: Live | None = None
         self._renewing: asyncio.Task[None] | None = None
         self._expires = 0.0
+        self._in_virtual_time = False
         self._lost: LeaseLost | None = None
 
     def check(self) -> None:
         """Raises LeaseLost if it has ended."""
         if self._lost is None and asyncio.get_running_loop().time() > self._expires:
-            self._lose(f"it was not renewed for {self._ttl:g} s")
+            self._lose(f"it was not renewed for {self.ttl:g} s")
         if self._lost is not None:
             raise self._lost.with_traceback(None)
 
@@ -291,7 +305,7 @@ class Lease:
         assert self._live is not None
         try:
             while not await self._renew_once():
-                await asyncio.sleep(self._ttl / RENEWALS_IN_TTL)
+                await asyncio.sleep(self.ttl / RENEWALS_IN_TTL)
                 self.check()
         except asyncio.TimeoutError:
             self._lose("the daemon did not answer in time")
@@ -311,22 +325,28 @@ class Lease:
             if error.name != "too_many_requests":
                 raise
             return False
-        self._expires = asked + self._ttl
+        self._expires = self._end_from(asked)
         return True
+
+    def _end_from(self, asked: float) -> float:
+        return math.inf if self._in_virtual_time else asked + self.ttl
 
     async def __aenter__(self) -> Lease:
         self._live = live = await self._gateway._connection.live()
         asked = asyncio.get_running_loop().time()
         granted = await live.call("lease.acquire", self._params)
         self._lost = None
-        self._expires = asked + self._ttl
+        hello = live.hello
+        # The daemon alone knows then how late it is.
+        self._in_virtual_time = hello is not None and hello.in_virtual_time
+        self._expires = self._end_from(asked)
         self.key = {name: granted[name] for name in ("lease", "epoch")}
         self.axes |= set(granted["axes"])
         live.when_lost.append(self._connection_lost)
         if live.lost is not None:
             self._connection_lost(live.lost)
         self._gateway._leases.append(self)
-        if not self._by_hand:
+        if not self.by_hand and not self._in_virtual_time:
             self._renewing = asyncio.get_running_loop().create_task(self._renew())
         return self
 
@@ -356,7 +376,7 @@ class Lease:
     async def _renew(self) -> None:
         try:
             while True:
-                await asyncio.sleep(self._ttl / 3)
+                await asyncio.sleep(self.ttl / 3)
                 await self.renew()
         except LeaseLost:
             pass  # the next call says so
@@ -414,6 +434,14 @@ class Watch(AsyncIterator[WatchedState]):
                 if live.lost is None or attempt + 1 == MOST_REPEATS:
                     raise
 
+    def take(self) -> list[WatchedState]:
+        """Those that have come and were not taken yet."""
+        if self._states is None:
+            return []
+        come = list(self._states.waiting)
+        self._states.waiting.clear()
+        return come
+
     async def close(self) -> None:
         if self._live is not None and self._states is not None:
             await self._live.unsubscribe(self._number)
@@ -442,6 +470,8 @@ class Recorder:
             pass
         except NotConnected:
             pass  # the recording has what there was
+        for state in self._watch.take():
+            self._recording.add(state)
         self._recording.dropped = self._watch.dropped
         await self._watch.close()
 

@@ -35,6 +35,8 @@ class Hello:
 
     daemon: str
     serves: str | None
+    #: Its time goes on by calls, and not by the computer's clock.
+    in_virtual_time: bool = False
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,11 @@ class Engine:
                 raise garbage(f"the daemon speaks version {major} of the protocol, and this is 1")
             self.greeted = True
             serves = params.get("serves")
-            return Hello(str(params.get("daemon", "")), None if serves is None else str(serves))
+            return Hello(
+                str(params.get("daemon", "")),
+                None if serves is None else str(serves),
+                params.get("time") == "virtual",
+            )
         raise _first_error(said) or garbage("the daemon does not say hello")
 
     def _answer(self, said: Mapping[str, Any]) -> Message:
