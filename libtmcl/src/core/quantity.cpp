@@ -365,7 +365,7 @@ std::string hint_of_resolution(std::int32_t present,
 }
 
 Error bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit) {
-  const auto number = to_string({quantity.number, {}});
+  const auto number = to_string(Quantity{quantity.number, {}});
   const auto in_microsteps = dimension == Dimension::position   ? "microsteps"
                              : dimension == Dimension::velocity ? "pps"
                                                                 : "pps/s";
