@@ -4,6 +4,7 @@
 #include "api/lookup.hpp"
 #include "api/views.hpp"
 #include "async/gather.hpp"
+#include "async/rest.hpp"
 #include "tmcl/hex.hpp"
 
 namespace tmcld::handlers {
@@ -14,6 +15,8 @@ using Found = std::vector<tmcl::FoundModule>;
 constexpr std::uint16_t last_serial_address = 255;
 // A scan waits for this part of it at each address: most have no module.
 constexpr int scan_share_of_reply_timeout = 4;
+// What comes in this time after the last question comes unasked.
+constexpr tmcl::Duration listening_time = std::chrono::milliseconds(300);
 
 struct Addresses {
   std::uint16_t first;
@@ -23,7 +26,9 @@ Addresses addresses_of(const bus::Scan& params) {
   return {params.first.value_or(1), params.last.value_or(last_serial_address)};
 }
 
-tmcl::ScanOptions scan_options(const Call& call, const bus::Scan& params, const GatewayBus& bus) {
+tmcl::ScanOptions scan_options(const Call& call, const bus::Scan& params,
+                               const std::shared_ptr<GatewayBus>& scanned) {
+  const auto& bus = *scanned;
   tmcl::ScanOptions options;
   const auto [first, last] = addresses_of(params);
   options.first = first;
@@ -33,7 +38,13 @@ tmcl::ScanOptions scan_options(const Call& call, const bus::Scan& params, const 
       options.reply_timeout, bus.config().bus_options.reply_timeout / scan_share_of_reply_timeout);
   options.progress = [tell = call.progress_reporter(), name = bus.name()](std::size_t asked,
                                                                           std::size_t of) {
-    tell(ScanProgress{name, asked, of});
+    tell(ScanProgress{name, asked, of, {}});
+  };
+  const std::size_t total = options.last - first + 1U;
+  options.found = [tell = call.progress_reporter(), scanned, first = first,
+                   total](const tmcl::FoundModule& module) {
+    const std::size_t asked = number(module.address) - first + 1U;
+    tell(ScanProgress{scanned->name(), asked, total, view_of(*scanned, module)});
   };
   return options;
 }
@@ -57,6 +68,10 @@ class ScanInProgress {
   std::shared_ptr<GatewayBus> bus_;
 };
 
+bool heard_what_may_be_noise(const GatewayBus& bus) {
+  return !bus.is_can() && bus.heard().verdict().kind == tmcl::HeardKind::other_baud_rate;
+}
+
 boost::asio::awaitable<tmcl::Result<Found>> scan_one(std::shared_ptr<GatewayBus> bus,
                                                      tmcl::ScanOptions options,
                                                      std::shared_ptr<Peer> peer) {
@@ -68,7 +83,9 @@ boost::asio::awaitable<tmcl::Result<Found>> scan_one(std::shared_ptr<GatewayBus>
     return tmcl::bad_argument("the client is gone");
   };
   auto script = tmcl::verbs::scan(std::move(options));
+  bus->link().hear_anew();
   auto found = co_await bus->run(std::move(script), std::move(run));
+  if (found && found->empty() && heard_what_may_be_noise(*bus)) co_await rest(listening_time);
   co_return found;
 }
 
@@ -79,6 +96,7 @@ Result<bus::FoundModules> found_by(const std::vector<std::shared_ptr<GatewayBus>
   for (std::size_t i = 0; i < buses.size(); ++i) {
     if (results[i]) {
       for (const auto& module : *results[i]) all.modules.push_back(view_of(*buses[i], module));
+      if (results[i]->empty()) all.silent.push_back({buses[i]->name(), heard_on(*buses[i])});
       continue;
     }
     auto error = call_error(results[i].error());
@@ -137,7 +155,7 @@ Answer<bus::Scan> scan(Call& call, const bus::Scan& params) {
   }
   std::vector<boost::asio::awaitable<tmcl::Result<Found>>> scans;
   for (const auto& bus : buses)
-    scans.push_back(scan_one(bus, scan_options(call, params, *bus), call.peer));
+    scans.push_back(scan_one(bus, scan_options(call, params, bus), call.peer));
   const auto results = co_await gather(std::move(scans));
   co_return found_by(buses, results, params.bus.has_value());
 }

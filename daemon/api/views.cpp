@@ -169,7 +169,19 @@ api::bus::Bus view_of(const GatewayBus& bus) {
           tmcl::bit_rate_of(bus.config().link),
           {counters.requests, counters.replies, counters.timeouts, counters.late_replies,
            counters.unexpected_replies, counters.garbage_bytes, counters.fences, counters.surplus,
-           counters.suspect}};
+           counters.suspect},
+          heard_on(bus)};
+}
+
+api::bus::Heard view_of(const tmcl::HeardVerdict& heard, std::string_view link) {
+  return {std::string(name_of(heard.kind)), heard.bytes, if_any(heard.text), meaning_of(heard),
+          if_any(tmcl::hint_for(heard.kind, link))};
+}
+
+std::optional<api::bus::Heard> heard_on(const GatewayBus& bus) {
+  if (bus.is_can()) return std::nullopt;
+  const auto* port = std::get_if<tmcl::SerialName>(&bus.config().link);
+  return view_of(bus.heard().verdict(), port != nullptr ? "serial:" + port->device : "");
 }
 
 api::module::Module view_of(const GatewayBus& bus, const GatewayModule& module) {

@@ -21,6 +21,10 @@ api::axis::Units view_of(const GatewayAxis& axis, const std::optional<tmcl::Modu
                          const std::optional<tmcl::UserScale>& scale);
 
 api::bus::Bus view_of(const GatewayBus& bus);
+/// `link`: as tmcl::hint_for() has it.
+api::bus::Heard view_of(const tmcl::HeardVerdict& heard, std::string_view link);
+/// What its line brought; nothing on CAN.
+std::optional<api::bus::Heard> heard_on(const GatewayBus& bus);
 api::module::Module view_of(const GatewayBus& bus, const GatewayModule& module);
 api::bus::FoundModule view_of(const GatewayBus& bus, const tmcl::FoundModule& module);
 api::axis::Axis view_of(const GatewayAxis& axis);

@@ -39,7 +39,8 @@ BusLink::BusLink(const boost::asio::any_io_executor& executor, const BusConfig& 
       traffic_(std::make_shared<TrafficLog>(std::holds_alternative<tmcl::CanName>(config.link)
                                                 ? tmcl::Framing::can
                                                 : tmcl::Framing::serial,
-                                            config.bus_options.host_address)) {}
+                                            config.bus_options.host_address)),
+      heard_(std::make_shared<tmcl::Heard>(config.bus_options.host_address)) {}
 
 bool BusLink::note_error(std::string why) {
   if (why == error_) return false;
@@ -63,7 +64,11 @@ bool BusLink::attach(tmcl::Link link, std::function<void(const tmcl::BusEvent&)>
   const bool was_lost = state_ == State::lost;
   bus_ = std::make_shared<tmcl::Bus>(executor_, std::move(link), config_.bus_options);
   bus_->on_event(std::move(on_event));
-  bus_->on_traffic([log = traffic_](const tmcl::Traffic& traffic) { log->note(traffic); });
+  hear_anew();
+  bus_->on_traffic([log = traffic_, heard = heard_](const tmcl::Traffic& traffic) {
+    log->note(traffic);
+    heard->note(traffic);
+  });
   state_ = State::open;
   error_.clear();
   return was_lost;

@@ -12,6 +12,7 @@
 #include "config/config.hpp"
 #include "gateway/traffic_log.hpp"
 #include "tmcl/bus.hpp"
+#include "tmcl/heard.hpp"
 
 namespace tmcld {
 
@@ -35,6 +36,9 @@ class BusLink {
   tmcl::BusCounters counters() const;
   /// What went over it lately.
   const TrafficLog& traffic() const { return *traffic_; }
+  /// What it brought since it was opened, or since hear_anew(). Nothing of it holds on CAN.
+  const tmcl::Heard& heard() const { return *heard_; }
+  void hear_anew() { *heard_ = tmcl::Heard(config_.bus_options.host_address); }
   /// One scan at a time: set while one runs.
   bool scanning = false;
 
@@ -60,6 +64,7 @@ class BusLink {
   std::shared_ptr<tmcl::Bus> bus_;
   tmcl::BusCounters earlier_counters_;
   std::shared_ptr<TrafficLog> traffic_;
+  std::shared_ptr<tmcl::Heard> heard_;
 };
 
 std::string_view name_of(BusLink::State state);

@@ -237,12 +237,16 @@ class FakeGateway final : public tmcl::client::Channel {
 
   Result<api::bus::FoundModules> scan(const api::bus::Scan&) {
     tell(api::progress_notification, {{"bus", "bench"}, {"asked", 16}, {"of", 255}});
-    api::bus::FoundModules all;
+    api::bus::FoundModules all{{}, {}, found.silent};
     for (const auto& row : found.modules) {
       auto& module = all.modules.emplace_back();
       fill(module, row);
       module.in_bootloader = row.in_bootloader;
       module.address_is_reply_id = row.address_is_reply_id;
+      if (&row == &found.modules.front()) {
+        tell(api::progress_notification,
+             api::to_json(api::ScanProgress{row.bus, row.address, 255, module}));
+      }
     }
     for (const auto& [bus, error] : found.failed) all.failed.push_back({bus, test::said(error)});
     return all;

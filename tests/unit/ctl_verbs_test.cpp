@@ -274,15 +274,30 @@ TEST_F(CtlVerbs, AnEmptyScanSaysWhatToCheck) {
   EXPECT_EQ(out, "");
   EXPECT_THAT(err, HasSubstr("baud"));
   EXPECT_THAT(err, testing::Not(HasSubstr("bytes")));
-  const auto buses = [](int bytes) {
-    return boost::json::object{
-        {"buses", {{{"name", "bench"}, {"counters", {{"garbage_bytes", bytes}}}}}}};
-  };
-  target.results = {buses(10), buses(46)};
+  target.found.silent = {{"bench", api::bus::Heard{"echo", 36, {}, "the line echoes", "cut it"}},
+                         {"can", {}}};
   EXPECT_EQ(run({"scan"}), ExitCode::not_sent);
-  EXPECT_THAT(err, HasSubstr("No module answered, but 36 bytes came that are no replies"));
-  target.results = {};
-  EXPECT_THAT(json({"scan"}, ExitCode::not_sent).at("modules").as_array(), IsEmpty());
+  EXPECT_EQ(err,
+            "No module answered on bench: the line echoes.\n"
+            "  Try: cut it.\n"
+            "No module answered on can.\n"
+            "  Check the supply, the cabling, the termination and the bit rate.\n");
+  const auto document = json({"scan"}, ExitCode::not_sent);
+  EXPECT_THAT(document.at("modules").as_array(), IsEmpty());
+  EXPECT_EQ(document.at("silent").at(0).at("heard").at("kind"), "echo");
+  EXPECT_TRUE(document.at("silent").at(1).at("heard").is_null());
+}
+
+TEST_F(CtlVerbs, OnATerminalModulesAreShownAsTheyAreFound) {
+  target.found.modules = {{"bench", 1, "TMCM-1110", 1110, "1.01", 1, false, ""},
+                          {"bench", 7, "TMCM-3110", 3110, "1.14", 3, false, ""}};
+  on_terminal();
+  EXPECT_EQ(run({"scan"}), ExitCode::done);
+  EXPECT_EQ(out,
+            "BUS       ADDRESS  MODEL       FIRMWARE  AXES\n"
+            "bench     1        TMCM-1110   1.01      1\n"
+            "bench     7        TMCM-3110   1.14      3\n");
+  EXPECT_EQ(json({"scan"}).at("modules").as_array().size(), 2U);
 }
 
 TEST_F(CtlVerbs, AScanThatMissesABusFails) {

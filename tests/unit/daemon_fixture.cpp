@@ -75,14 +75,18 @@ boost::asio::awaitable<void> FakeWire::serve(std::shared_ptr<End> end) {
 void FakeWire::answer(const tmcl::Request& request) {
   const auto module =
       takes_any_address ? modules.begin() : modules.find(tmcl::reply_byte(request.address));
-  if (module == modules.end() || !end_) return;
+  if (!end_) return;
+  boost::system::error_code ignored;
+  if (module == modules.end()) {
+    boost::asio::write(*end_, boost::asio::buffer(stray_bytes), ignored);
+    return;
+  }
   auto reply = module->second.execute(request);
   if (request.command == tmcl::Command::GET_FIRMWARE_VERSION && !module->second.play) {
     reply.value = tmcl::to_value({model, 1, 9});
   }
   if (loses && loses(request)) return;
   const auto bytes = tmcl::encode_serial(reply);
-  boost::system::error_code ignored;
   boost::asio::write(*end_, boost::asio::buffer(bytes), ignored);
 }
 

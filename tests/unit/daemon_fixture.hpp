@@ -47,6 +47,8 @@ class FakeWire {
   std::atomic<bool> throws = false;
   /// While set, the first module takes what is for any address, as on USB.
   bool takes_any_address = false;
+  /// Comes where no module has the address.
+  std::vector<std::uint8_t> stray_bytes;
   /// What the modules say they are.
   std::uint16_t model = 3110;
 

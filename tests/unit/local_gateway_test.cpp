@@ -55,6 +55,35 @@ TEST_F(LocalGatewayTest, AScanWaitsLongerWhereAnswersTakeLong) {
   EXPECT_EQ(modules[0].at("address"), 1);
 }
 
+TEST_F(LocalGatewayTest, AScanTellsEachModuleAsItIsFound) {
+  std::vector<json::value> told;
+  bench.local().on_notification([&](std::string_view, const json::object& params) {
+    if (params.contains("found")) told.push_back(params.at("found"));
+  });
+  bench.wire.modules.emplace(std::uint8_t{3}, FakeModule(3));
+  const auto result = bench.result("bus.scan", {{"last", 3}});
+  EXPECT_TRUE(result.at("silent").as_array().empty());
+  ASSERT_EQ(told.size(), 3U);
+  EXPECT_EQ(told.at(0), result.at("modules").at(0));
+  EXPECT_EQ(told.at(1), result.at("modules").at(1));
+  EXPECT_TRUE(told.at(2).is_null());
+}
+
+TEST_F(LocalGatewayTest, ASilentBusTellsWhatCameInstead) {
+  const auto heard = [&] {
+    const auto found = bench.result("bus.scan", {{"first", 9}, {"last", 12}});
+    return text(found.at("silent").at(0).at("heard").at("kind"));
+  };
+  EXPECT_EQ(heard(), "nothing");
+  bench.wire.stray_bytes = {'l', 'o', 'g', 'i', 'n', ':', ' '};
+  EXPECT_EQ(heard(), "text");
+  bench.wire.stray_bytes = {0x91, 0x00, 0xF8};
+  EXPECT_EQ(heard(), "other_baud_rate");
+  const auto bus = bench.result("bus.list", {}).at("buses").at(0).as_object();
+  EXPECT_EQ(bus.at("heard").at("kind"), "other_baud_rate");
+  EXPECT_GT(bus.at("heard").at("bytes").as_int64(), 0);
+}
+
 TEST_F(LocalGatewayTest, ListensAsLongAsNothingComes) {
   bench.result("axis.get_state", {{"axis", "x"}});
   const auto before = bench.now();

@@ -78,6 +78,8 @@ struct ScanOptions {
   Duration reply_timeout = std::chrono::milliseconds(25);
   /// Told after each group of addresses how many have been asked.
   std::function<void(std::size_t asked, std::size_t of)> progress{};
+  /// Told of each module at once.
+  std::function<void(const FoundModule&)> found{};
 };
 
 namespace verbs {

@@ -101,6 +101,7 @@ Script<Result<std::vector<FoundModule>>> scan(ScanOptions options) {
       if (!module && is_absence(module.error())) continue;
       if (!module) co_return tl::unexpected(module.error());
       found.push_back(*module);
+      if (options.found) options.found(*module);
     }
     asked += size;
     if (options.progress) options.progress(asked, total);

@@ -173,6 +173,20 @@ class Counters(Record):
 
 
 @dataclass(frozen=True)
+class Heard(Record):
+    #: nothing, answers, wrong_checksums, foreign, echo, text, other_baud_rate, noise
+    kind: str = ""
+    #: how many came in
+    bytes: int = 0
+    #: the first of it, up to 40 characters
+    text: str | None = None
+    #: the same in a sentence
+    meaning: str = ""
+    #: what to try; absent after answers
+    hint: str | None = None
+
+
+@dataclass(frozen=True)
 class Bus(Record):
     #: name of the bus
     name: str = ""
@@ -186,7 +200,9 @@ class Bus(Record):
     bit_rate: int | None = None
     #: since the daemon started
     counters: Counters = field(default_factory=lambda: Counters())
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"counters": Counters}
+    #: what came in since it was opened or scanned last; null on CAN
+    heard: Heard | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"counters": Counters, "heard": Heard}
 
 
 @dataclass(frozen=True)
@@ -260,12 +276,27 @@ class BusScanFailed(Record):
 
 
 @dataclass(frozen=True)
+class BusScanSilent(Record):
+    #: name of the bus
+    bus: str = ""
+    #: what came in meanwhile; null on CAN
+    heard: Heard | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"heard": Heard}
+
+
+@dataclass(frozen=True)
 class BusScan(Record):
     #: who has answered
     modules: tuple[BusScanModules, ...] = ()
     #: buses that could not be scanned
     failed: tuple[BusScanFailed, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"modules": BusScanModules, "failed": BusScanFailed}
+    #: buses on which no module was found
+    silent: tuple[BusScanSilent, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {
+        "modules": BusScanModules,
+        "failed": BusScanFailed,
+        "silent": BusScanSilent,
+    }
 
 
 @dataclass(frozen=True)

@@ -114,14 +114,15 @@ void add_reasons(std::vector<AxisRow>& axes, Context& context) {
 
 }  // namespace
 
-Result<ScanResult> scan(ScanRange range, const Progress& progress, Context& context) {
+Result<ScanResult> scan(ScanRange range, const ScanNews& news, Context& context) {
   const tmcl::client::Hearing<api::ScanProgress> hearing(
-      context.gateway.caller, api::progress_notification, [&](const api::ScanProgress& news) {
-        if (progress) progress(news.bus, news.asked, news.of);
+      context.gateway.caller, api::progress_notification, [&](const api::ScanProgress& now) {
+        if (now.found && news.found) news.found(module_from(*now.found));
+        if (news.progress) news.progress(now.bus, now.asked, now.of);
       });
   return context.call(api::bus::Scan{{}, range.first, range.last})
       .map([](const api::bus::FoundModules& all) {
-        ScanResult result{modules_from(all.modules), {}};
+        ScanResult result{modules_from(all.modules), {}, all.silent};
         for (const auto& [bus, error] : all.failed)
           result.failed.push_back({bus, tmcl::client::error_from_json(error)});
         return result;

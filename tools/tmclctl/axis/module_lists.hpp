@@ -43,10 +43,15 @@ struct UnscannedBus {
 struct ScanResult {
   std::vector<ModuleRow> modules;
   std::vector<UnscannedBus> failed;
+  std::vector<tmcl::api::bus::SilentBus> silent{};
 };
-using Progress = std::function<void(const std::string& bus, std::size_t asked, std::size_t of)>;
+/// What a scan tells while it goes on.
+struct ScanNews {
+  std::function<void(const std::string& bus, std::size_t asked, std::size_t of)> progress{};
+  std::function<void(const ModuleRow& row)> found{};
+};
 
-Result<ScanResult> scan(ScanRange range, const Progress& progress, Context& context);
+Result<ScanResult> scan(ScanRange range, const ScanNews& news, Context& context);
 Result<std::vector<ModuleRow>> modules_of(Context& context);
 Result<std::vector<AxisRow>> axes_of(Context& context);
 Result<tmcl::AxisUnits> units_of(const std::string& axis, Context& context);

@@ -33,6 +33,10 @@ class VerbForm : public Form {
   void object(Objection<T> objection, std::string hint = {});
   /// Such words need no gateway.
   void alone(bool (*when)(const T& said), RunAlone<T> run);
+  /// Such words open ports by themselves.
+  void on_ports(bool (*when)(const T& said),
+                Result<ExitCode> (*run)(const T& said, const Where& where, Output& output,
+                                        Host& host));
   /// What it does where no gateway is reached.
   void unreached(Result<ExitCode> (*run)(const T& said, const Error& error, const Where& where,
                                          Output& output));
@@ -129,6 +133,20 @@ void VerbForm<T>::alone(bool (*when)(const T& said), RunAlone<T> run) {
   auto& said = grammar_->verbs_.at(&app()).said;
   said = [values = values_, when, run, on_gateway = std::move(said)] {
     return when(*values) ? Grammar::alone(*values, run) : on_gateway();
+  };
+}
+
+template <class T>
+void VerbForm<T>::on_ports(bool (*when)(const T&),
+                           Result<ExitCode> (*run)(const T&, const Where&, Output&, Host&)) {
+  auto& said = grammar_->verbs_.at(&app()).said;
+  said = [values = values_, when, run, on_gateway = std::move(said)] {
+    auto verb = on_gateway();
+    if (!when(*values)) return verb;
+    verb.run_on_ports = [said = *values, run](const Where& where, Output& output, Host& host) {
+      return run(said, where, output, host);
+    };
+    return verb;
   };
 }
 

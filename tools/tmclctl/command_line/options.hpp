@@ -25,6 +25,8 @@ namespace verb {
 
 struct Scan {
   ScanRange range;
+  bool bauds = false;      ///< The baud rate is looked for, too.
+  bool all_ports = false;  ///< And the port.
 };
 struct Modules {};
 struct Axes {};
@@ -415,6 +417,8 @@ struct Verb {
   std::any said;                                       ///< One of namespace `verb`.
   std::function<Result<ExitCode>(Context&)> run;       ///< Empty where no gateway is needed.
   std::function<Result<ExitCode>(Output&)> run_alone;  ///< Empty where one is.
+  /// Instead of both: opens what it needs by itself.
+  std::function<Result<ExitCode>(const Where&, Output&, Host&)> run_on_ports{};
   /// Instead of the error that no gateway is reached; empty: that is the end.
   std::function<Result<ExitCode>(const Error&, const Where&, Output&)> run_unreached{};
 };

@@ -86,6 +86,7 @@ Result<ExitCode> run(const Options& options, Output& output, Host& host, Gateway
   if (options.verb.run_alone) return options.verb.run_alone(output);
   if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
   host.catch_signals();
+  if (options.verb.run_on_ports) return options.verb.run_on_ports(options.where, output, host);
   return run_on_gateway(options, output, host, ready);
 }
 

@@ -62,7 +62,8 @@ Widths widths_of(const std::vector<Cells>& rows) {
 std::string line_of(const Cells& row, const Widths& widths) {
   std::string line;
   for (std::size_t i = 0; i < row.size(); ++i)
-    line += row[i] + std::string(widths[i] - row[i].size() + column_gap, ' ');
+    line +=
+        row[i] + std::string(std::max(widths[i], row[i].size()) - row[i].size() + column_gap, ' ');
   line.erase(line.find_last_not_of(' ') + 1);
   return line;
 }
@@ -148,6 +149,15 @@ void Table::print(Output& output) const {
     const auto line = line_of(rows[i], widths);
     output.out << (wrong_[i] ? alarming(line, screen) : line) << '\n';
   }
+}
+
+void GrowingTable::add(const Cells& row, std::ostream& out) {
+  if (rows_++ == 0) {
+    for (std::size_t i = 0; i < headings_.size(); ++i)
+      widths_[i] = std::max(widths_[i], headings_[i].size());
+    out << line_of(headings_, widths_) << '\n';
+  }
+  out << line_of(row, widths_) << std::endl;
 }
 
 // ---- readings -----------------------------------------------------------------------------------

@@ -40,6 +40,21 @@ class Table {
   std::vector<bool> wrong_;
 };
 
+/// A table whose rows are shown as they come. Columns are as wide as their headings, or as they are
+/// said to be.
+class GrowingTable {
+ public:
+  GrowingTable(Table::Cells headings, std::vector<std::size_t> widths)
+      : headings_(std::move(headings)), widths_(std::move(widths)) {}
+  void add(const Table::Cells& row, std::ostream& out);
+  std::size_t rows() const { return rows_; }
+
+ private:
+  Table::Cells headings_;
+  std::vector<std::size_t> widths_;
+  std::size_t rows_ = 0;
+};
+
 /// In red where the screen has colours.
 std::string alarming(std::string_view text, const Screen& screen);
 

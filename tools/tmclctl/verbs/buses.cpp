@@ -50,6 +50,11 @@ json::object to_json(const Row& row) {
   return object;
 }
 
+void print(const std::string& bus, const api::bus::Heard& heard, Output& output) {
+  if (!heard.hint) return;
+  output.err << fmt::format("bus {}: {}.\n  Try: {}.\n", bus, heard.meaning, *heard.hint);
+}
+
 void print(const std::vector<Row>& rows, Output& output) {
   Table table({"BUS", "LINK", "STATE", "LOAD", "REQUESTS", "TIMEOUTS", "LATE", "GARBAGE", "SURPLUS",
                "SUSPECT"});
@@ -64,10 +69,20 @@ void print(const std::vector<Row>& rows, Output& output) {
   for (const auto& row : rows) {
     if (row.bus.error)
       output.err << fmt::format("bus {} is not open: {}\n", row.bus.name, *row.bus.error);
+    if (row.bus.counters.requests != 0 && row.bus.heard)
+      print(row.bus.name, *row.bus.heard, output);
   }
 }
 
+/// The counters of this process are nothing until it has asked.
+void ask_first(Context& context) {
+  if (context.gateway.own == nullptr) return;
+  const auto scanned = scan({1, 1}, {}, context);
+  if (!scanned) warn(error_text(scanned.error()), context.output);
+}
+
 Result<ExitCode> run(const verb::Buses& verb, Context& context) {
+  ask_first(context);
   const auto first = context.call(api::bus::List{});
   if (!first) return tl::unexpected(first.error());
   const auto begin = context.host.now();
@@ -97,7 +112,9 @@ One row for each bus: its link, whether it is open, how much of what the wire ca
 looked (only for serial lines, whose baud rate says that; the rate of a USB port means nothing), and since
 tmcld started: requests without an answer in time (TIMEOUTS), answers that came too late (LATE), bytes that
 belong to no datagram (GARBAGE), replies to no request (SURPLUS), and answers that were given out
-only when they had been proven (SUSPECT). A bus that is not open says why.
+only when they had been proven (SUSPECT). A bus that is not open says why, and
+where no module answers it says what came in instead. With --direct it asks address 1 first, and all of
+it is what this command has seen, since another program's counters are not told.
 
   tmclctl buses
   tmclctl buses --for 10

@@ -1,4 +1,4 @@
-// scan, modules, axes, params, and the words for the shell's completion.
+// axes, params, and the words for the shell's completion.
 #include <algorithm>
 #include <set>
 
@@ -6,7 +6,6 @@
 
 #include "axis/scale_factors.hpp"
 #include "output/print.hpp"
-#include "output/progress_line.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -22,66 +21,6 @@ json::array to_json_array(const std::vector<Row>& rows) {
   json::array array;
   for (const auto& row : rows) array.push_back(to_json(row));
   return array;
-}
-
-std::string model_text(const std::string& model, unsigned number) {
-  if (!model.empty()) return model;
-  return number != 0 ? fmt::format("unknown ({})", number) : "unknown";
-}
-
-std::string remark_on(const ModuleRow& row) {
-  if (row.address_is_reply_id)
-    return "DANGER: its address is the identifier of all replies, so it takes them for commands "
-           "and moves. Give it another address (global parameter 71)";
-  if (row.duplicate_suspected)
-    return "DUPLICATE: several modules answer at this address, or another program asks";
-  if (row.in_bootloader)
-    return "NO FIRMWARE runs, only its bootloader: see tmclctl firmware upload";
-  if (row.watched_by == "none") return "UNWATCHED: it is not noticed when it starts again";
-  return "";
-}
-
-void print_modules(const std::vector<ModuleRow>& rows, bool with_state, std::ostream& out) {
-  std::vector<std::string> headings{"BUS", "ADDRESS", "MODEL", "FIRMWARE", "AXES"};
-  if (with_state) headings.push_back("STATE");
-  headings.push_back("");
-  Table table(headings);
-  for (const auto& row : rows) {
-    std::vector<std::string> cells{row.bus, std::to_string(row.address),
-                                   model_text(row.model, row.model_number), row.firmware,
-                                   row.axes != 0 ? std::to_string(row.axes) : "?"};
-    if (with_state) cells.push_back(row.state);
-    cells.push_back(remark_on(row));
-    table.add(std::move(cells));
-  }
-  table.print(out);
-}
-
-Result<ExitCode> show_modules(const std::vector<ModuleRow>& rows, bool with_state, Output& output) {
-  if (output.json) {
-    print_json({{"modules", to_json_array(rows)}}, output);
-  } else {
-    print_modules(rows, with_state, output.out);
-  }
-  return ExitCode::done;
-}
-
-Result<ExitCode> show_partial_scan(const ScanResult& result, Output& output) {
-  auto exit = ExitCode::done;
-  json::array failed;
-  for (const auto& [bus, failure] : result.failed) {
-    exit = std::max(exit, exit_code_of(failure));
-    failed.push_back(json::object{{"bus", bus}, {"error", error_document(failure)}});
-    if (!output.json) {
-      output.err << "tmclctl: " << bus << " was not scanned: " << error_text(failure) << '\n';
-    }
-  }
-  if (output.json) {
-    print_json({{"modules", to_json_array(result.modules)}, {"failed", std::move(failed)}}, output);
-  } else {
-    print_modules(result.modules, false, output.out);
-  }
-  return exit;
 }
 
 json::object to_json(const Parameter& row, const std::optional<Value>& value) {
@@ -150,7 +89,7 @@ void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& fa
                                    row.bus,
                                    std::to_string(row.address),
                                    std::to_string(row.motor),
-                                   model_text(row.model.value_or(""), 0),
+                                   row.model.value_or("unknown"),
                                    row.state,
                                    row.unit.value_or("-")};
     if (has_unit) {
@@ -164,57 +103,6 @@ void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& fa
 }
 
 }  // namespace
-
-namespace {
-
-/// Bytes that have come on all buses and belong to no reply; 0 where that is not known.
-std::uint64_t garbage_bytes(Context& context) {
-  const auto listed = context.call(tmcl::api::bus::List{});
-  std::uint64_t bytes = 0;
-  if (!listed) return bytes;
-  for (const auto& bus : listed->buses) bytes += bus.counters.garbage_bytes;
-  return bytes;
-}
-
-void print_silence(std::uint64_t garbage, Output& output) {
-  if (garbage != 0) {
-    output.err << fmt::format(
-        "No module answered, but {} bytes came that are no replies: the modules have another baud "
-        "rate (new ones speak 9600), the adapter echoes, or there is noise. ",
-        garbage);
-  } else {
-    output.err << "No module answered. Check the supply, the cabling, the baud rate (new modules "
-                  "speak 9600) and ";
-  }
-  output.err << (garbage != 0 ? "Check also " : "") << "whether another program holds the port.\n";
-}
-
-}  // namespace
-
-Result<ExitCode> run(const verb::Scan& verb, Context& context) {
-  const auto garbage_before = garbage_bytes(context);
-  ProgressLine line(context.output);
-  const auto show = [&](const std::string& bus, std::size_t asked, std::size_t of) {
-    line.show(fmt::format("scanning {}: {} of {} addresses", bus, asked, of));
-  };
-  const auto rows = scan(verb.range, show, context);
-  line.clear();
-  if (!rows) return tl::unexpected(rows.error());
-  if (!rows->failed.empty()) return show_partial_scan(*rows, context.output);
-  if (rows->modules.empty() && !context.output.json) {
-    print_silence(garbage_bytes(context) - garbage_before, context.output);
-    return ExitCode::not_sent;
-  }
-  return show_modules(rows->modules, false, context.output).map([&](ExitCode done) {
-    return rows->modules.empty() ? ExitCode::not_sent : done;
-  });
-}
-
-Result<ExitCode> run(const verb::Modules&, Context& context) {
-  const auto rows = modules_of(context);
-  if (!rows) return tl::unexpected(rows.error());
-  return show_modules(*rows, true, context.output);
-}
 
 Result<ExitCode> run(const verb::Axes&, Context& context) {
   const auto rows = axes_of(context);
@@ -299,32 +187,6 @@ Result<ExitCode> complete_by_gateway(const Completion& completion, Context& cont
 
 namespace {
 
-Reading read_range(const std::string& text, ScanRange& range) {
-  const auto dash = text.find('-');
-  const auto first = text.substr(0, dash);
-  const auto last = dash == std::string::npos ? first : text.substr(dash + 1);
-  return number(range.first, 0, greatest_address)(first).and_then(
-      [&] { return number(range.last, range.first, greatest_address)(last); });
-}
-
-constexpr const char* scan_help = R"(
-Asks every address who is there: through tmcld on all its buses, with --direct on that one.
-One row for each module that answers; exit code 3 if none does. Takes some seconds on a slow serial
-line. NO FIRMWARE marks a module whose bootloader answers, as after an upload that was cut short.
-
-  tmclctl scan
-  tmclctl --direct can:can0 scan --addresses 1-20
-  tmclctl --direct tcp:10.0.0.7:4001 --reply-timeout 1000 scan     far away, so answers take long
-)";
-
-constexpr const char* modules_help = R"(
-Those of the axes in tmcld's configuration, and how they are: ready, silent (they do not answer), or
-unknown (their bus is not open, or they were not asked yet). With --direct it is a scan.
-
-  tmclctl modules
-  tmclctl --json modules
-)";
-
 constexpr const char* axes_help = R"(
 The axes of tmcld's configuration; with --direct those of all modules that a scan finds. Where the state
 is unknown because a bus is not open, it says why. Of an axis with a unit it says how many microsteps,
@@ -346,13 +208,6 @@ ACCESS is R (can be read), RW (and set), or RWE (and stored in the EEPROM, with 
 }  // namespace
 
 void add_lists(Grammar& grammar) {
-  auto scan = grammar.verb<verb::Scan>("scan", access::reads, "Look for modules on all addresses",
-                                       scan_help, run);
-  auto& range = scan->range;
-  scan.option("--addresses", "FIRST-LAST", "Only these addresses (default 1-255)",
-              [&range](const std::string& text) { return read_range(text, range); });
-  grammar.verb<verb::Modules>("modules", access::reads, "List the modules that tmcld serves",
-                              modules_help, run);
   grammar.verb<verb::Axes>("axes", access::reads, "List the axes and how they are called",
                            axes_help, run);
   auto params = grammar.verb<verb::Params>(

@@ -4,6 +4,7 @@ namespace tmclctl {
 
 void add_verbs(Grammar& grammar) {
   add_ports(grammar);
+  add_scan(grammar);
   add_lists(grammar);
   add_models(grammar);
   add_parameters(grammar);

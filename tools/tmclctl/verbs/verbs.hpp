@@ -14,7 +14,11 @@ namespace tmclctl {
 /// All of them, in the order in which --help lists them.
 void add_verbs(Grammar& grammar);
 
+/// What `scan --bauds` and `scan --auto` do.
+Result<ExitCode> scan_ports(const verb::Scan& verb, const Where& where, Output& output, Host& host);
+
 void add_ports(Grammar& grammar);
+void add_scan(Grammar& grammar);
 void add_lists(Grammar& grammar);
 void add_models(Grammar& grammar);
 void add_parameters(Grammar& grammar);

@@ -42,6 +42,17 @@ struct Counters {
              "answers that were given out only when a further exchange had proven them: on a line "
              "that loses, doubles or delays replies, and wherever a movement depends on the value");
 };
+/// What a serial line brought (tmcl/heard.hpp).
+struct Heard {
+  TMCL_STRUCT(Heard);
+  static constexpr bool omits_absent = true;
+  TMCL_FIELD(std::string, kind,
+             "nothing, answers, wrong_checksums, foreign, echo, text, other_baud_rate, noise");
+  TMCL_FIELD(std::uint64_t, bytes, "how many came in");
+  TMCL_FIELD(std::optional<std::string>, text, "the first of it, up to 40 characters");
+  TMCL_FIELD(std::string, meaning, "the same in a sentence");
+  TMCL_FIELD(std::optional<std::string>, hint, "what to try; absent after answers");
+};
 struct Bus {
   TMCL_STRUCT(Bus);
   TMCL_FIELD(std::string, name, bus_summary);
@@ -51,6 +62,8 @@ struct Bus {
   TMCL_FIELD(std::optional<std::uint32_t>, bit_rate,
              "bits a second on its wire; null where it is unknown: TCP, USB, virtual CAN");
   TMCL_FIELD(Counters, counters, "since the daemon started");
+  TMCL_FIELD(std::optional<Heard>, heard,
+             "what came in since it was opened or scanned last; null on CAN");
 };
 struct Buses {
   TMCL_STRUCT(Buses);
@@ -106,10 +119,16 @@ struct UnscannedBus {
   TMCL_FIELD(std::string, bus, bus_summary);
   TMCL_FIELD(boost::json::object, error, "why it could not be scanned");
 };
+struct SilentBus {
+  TMCL_STRUCT(SilentBus);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(std::optional<Heard>, heard, "what came in meanwhile; null on CAN");
+};
 struct FoundModules {
   TMCL_STRUCT(FoundModules);
   TMCL_FIELD(std::vector<FoundModule>, modules, "who has answered");
   TMCL_FIELD(std::vector<UnscannedBus>, failed, "buses that could not be scanned");
+  TMCL_FIELD(std::vector<SilentBus>, silent, "buses on which no module was found");
 };
 struct Scan {
   TMCL_METHOD("bus.scan", reads, FoundModules,

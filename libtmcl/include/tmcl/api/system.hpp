@@ -1,7 +1,7 @@
 /// The methods of the daemon itself, and what it tells unasked.
 #pragma once
 
-#include "tmcl/api/axis.hpp"
+#include "tmcl/api/module.hpp"
 
 namespace tmcl::api {
 
@@ -108,6 +108,7 @@ struct ScanProgress {
   TMCL_FIELD(std::string, bus, "which one");
   TMCL_FIELD(std::uint64_t, asked, "how many addresses were asked");
   TMCL_FIELD(std::uint64_t, of, "how many there are");
+  TMCL_FIELD(std::optional<bus::FoundModule>, found, "a module that was just found; null if none");
 };
 struct SearchProgress {
   TMCL_STRUCT(SearchProgress);
