@@ -173,7 +173,7 @@ class Counters(Record):
 
 
 @dataclass(frozen=True)
-class Heard(Record):
+class BusListBusesHeard(Record):
     #: nothing, answers, wrong_checksums, foreign, echo, text, other_baud_rate, noise
     kind: str = ""
     #: how many came in
@@ -201,8 +201,8 @@ class Bus(Record):
     #: since the daemon started
     counters: Counters = field(default_factory=lambda: Counters())
     #: what came in since it was opened or scanned last; null on CAN
-    heard: Heard | None = None
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"counters": Counters, "heard": Heard}
+    heard: BusListBusesHeard | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"counters": Counters, "heard": BusListBusesHeard}
 
 
 @dataclass(frozen=True)
@@ -280,8 +280,8 @@ class BusScanSilent(Record):
     #: name of the bus
     bus: str = ""
     #: what came in meanwhile; null on CAN
-    heard: Heard | None = None
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"heard": Heard}
+    heard: BusListBusesHeard | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"heard": BusListBusesHeard}
 
 
 @dataclass(frozen=True)
@@ -292,11 +292,7 @@ class BusScan(Record):
     failed: tuple[BusScanFailed, ...] = ()
     #: buses on which no module was found
     silent: tuple[BusScanSilent, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {
-        "modules": BusScanModules,
-        "failed": BusScanFailed,
-        "silent": BusScanSilent,
-    }
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"modules": BusScanModules, "failed": BusScanFailed, "silent": BusScanSilent}
 
 
 @dataclass(frozen=True)
