@@ -12,6 +12,7 @@
 #include "support/seed.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc4361.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
 namespace tmcl::sim {
@@ -76,6 +77,7 @@ TEST(SimRegisters, ShareNoBitOfTheirChip) {
   expect_bits_apart<ramp::Tmc429>();
   expect_bits_apart<ramp::Tmc457>();
   expect_bits_apart<ramp::SixPoint>();
+  expect_bits_apart<ramp::Tmc4361>();
 }
 
 // ---- Parameters --------------------------------------------------------------------------------

@@ -32,29 +32,29 @@ constexpr std::string_view modes[] = {"velocity", "", "", "", "position"};
 
 }  // namespace
 
-// Without addresses: no command reaches these registers, because another generator drives the
-// trapezoids of a module.
+// No command of a simulated module reaches these registers, because another generator drives its
+// trapezoids: the addresses are for tables that other programs write into the chip.
 // clang-format off
 struct Tmc4361::Rows : RowsOf<Tmc4361> {
   static constexpr auto all = std::to_array<Row>({
-    in<&G::mode_>({"rampmode", 2, 6, "how it drives, with S-shaped ramps", {}, modes}),
-    in<&G::xtarget_>({"xtarget", -x_greatest - 1, x_greatest, "microsteps"}),
-    {{"xactual", -x_greatest - 1, x_greatest, "microsteps"},
+    in<&G::mode_>({"rampmode", 2, 6, "how it drives, with S-shaped ramps", {0x20, 0, 3}, modes}),
+    in<&G::xtarget_>({"xtarget", -x_greatest - 1, x_greatest, "microsteps", {0x37, 0, 32}}),
+    {{"xactual", -x_greatest - 1, x_greatest, "microsteps", {0x21, 0, 32}},
      [](const G& g) { return g.motion().position; },
      [](G& g, std::int64_t value) { g.track_.place(static_cast<std::int32_t>(value), g.tick_); }},
     in<&G::vmax_>({"vmax", -v_greatest, v_greatest,
-      "in the mode velocity where to, else the greatest, 1/256 microsteps/s"}),
-    in<&G::amax_>({"amax", 0, a_greatest, "acceleration, 1/4 microsteps/s^2"}),
-    in<&G::dmax_>({"dmax", 0, a_greatest, "deceleration, as amax"}),
-    in<&G::dstop_>({"dstop", 0, a_greatest, "deceleration of a soft stop at a switch, as amax"}),
-    in<&G::bow1_>({"bow1", 0, bow_greatest, "how fast the acceleration rises, microsteps/s^3; 0: steeply"}),
-    in<&G::bow2_>({"bow2", 0, bow_greatest, "how fast the acceleration falls, as bow1"}),
-    in<&G::bow3_>({"bow3", 0, bow_greatest, "how fast the deceleration rises, as bow1"}),
-    in<&G::bow4_>({"bow4", 0, bow_greatest, "how fast the deceleration falls, as bow1"}),
-    in<&G::stop_left_en_>({"stop_left_en", 0, 1, "1: the left switch stops negative motion"}),
-    in<&G::stop_right_en_>({"stop_right_en", 0, 1, "1: the right switch stops positive motion"}),
-    in<&G::soft_stop_en_>({"soft_stop_en", 0, 1, "1: a switch stops the motor with dstop, 0: at once"}),
-    in<&G::clk_freq_>({"clk_freq", 4'194'304, 32'000'000, "the clock's frequency, Hz"}),
+      "in the mode velocity where to, else the greatest, 1/256 microsteps/s", {0x24, 0, 32}}),
+    in<&G::amax_>({"amax", 0, a_greatest, "acceleration, 1/4 microsteps/s^2", {0x28, 0, 24}}),
+    in<&G::dmax_>({"dmax", 0, a_greatest, "deceleration, as amax", {0x29, 0, 24}}),
+    in<&G::dstop_>({"dstop", 0, a_greatest, "deceleration of a soft stop at a switch, as amax", {0x2C, 0, 24}}),
+    in<&G::bow1_>({"bow1", 0, bow_greatest, "how fast the acceleration rises, microsteps/s^3; 0: steeply", {0x2D, 0, 24}}),
+    in<&G::bow2_>({"bow2", 0, bow_greatest, "how fast the acceleration falls, as bow1", {0x2E, 0, 24}}),
+    in<&G::bow3_>({"bow3", 0, bow_greatest, "how fast the deceleration rises, as bow1", {0x2F, 0, 24}}),
+    in<&G::bow4_>({"bow4", 0, bow_greatest, "how fast the deceleration falls, as bow1", {0x30, 0, 24}}),
+    in<&G::stop_left_en_>({"stop_left_en", 0, 1, "1: the left switch stops negative motion", {0x01, 0, 1}}),
+    in<&G::stop_right_en_>({"stop_right_en", 0, 1, "1: the right switch stops positive motion", {0x01, 1, 1}}),
+    in<&G::soft_stop_en_>({"soft_stop_en", 0, 1, "1: a switch stops the motor with dstop, 0: at once", {0x01, 5, 1}}),
+    in<&G::clk_freq_>({"clk_freq", 4'194'304, 32'000'000, "the clock's frequency, Hz", {0x31, 0, 25}}),
   });
   static constexpr auto infos = infos_of(all);
 };
