@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <sstream>
 
 #include "ctl_fixture.hpp"
 #include "support/temp_path.hpp"
@@ -115,10 +117,106 @@ TEST_F(CtlPath, LegsAreATableThatDrivesTheChip) {
   }
   EXPECT_EQ(writes, 3U * 2 * 6);
   EXPECT_EQ(run({"path", "check", corner, "--as", "c"}), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr("--as c needs --legs"));
+  EXPECT_THAT(err, HasSubstr("--as needs --legs"));
   as_c[2] = file("t,x\n0,0\n1,5\n");
   EXPECT_EQ(run(as_c), ExitCode::usage) << out;
   EXPECT_THAT(err, HasSubstr("has no legs"));
+}
+
+/// Rows of numbers below a heading.
+struct Rows {
+  std::vector<std::string> heading;
+  std::vector<std::vector<double>> numbers;
+
+  explicit Rows(const std::string& csv) {
+    std::istringstream lines(csv);
+    std::string line;
+    for (bool first = true; std::getline(lines, line); first = false) {
+      std::istringstream cells(line);
+      if (!first) numbers.emplace_back();
+      for (std::string cell; std::getline(cells, cell, ',');) {
+        if (first) heading.push_back(cell);
+        if (!first) numbers.back().push_back(std::stod(cell));
+      }
+    }
+  }
+};
+
+// Each column is the change of the one before it.
+TEST_F(CtlPath, RowsHaveTheMotionOfEachAxis) {
+  const auto corner = file("G1 X10 F1200\nG1 Y10\n");
+  EXPECT_EQ(run({"path", "check", corner, "--velocity", "20", "--acceleration", "500", "--csv", "-",
+                 "--step", "0.0005"}),
+            ExitCode::done)
+      << err;
+  const Rows rows(out);
+  EXPECT_THAT(rows.heading, testing::ElementsAre("t", "X_x", "X_v", "X_a", "X_j", "Y_x", "Y_v",
+                                                 "Y_a", "Y_j", "off"));
+  ASSERT_GT(rows.numbers.size(), 1000U);
+  for (std::size_t i = 1; i < rows.numbers.size(); ++i) {
+    const auto& before = rows.numbers[i - 1];
+    const auto& row = rows.numbers[i];
+    for (const std::size_t x : {std::size_t{1}, std::size_t{5}}) {
+      const double mean = (before[x + 1] + row[x + 1]) / 2;
+      EXPECT_NEAR(row[x] - before[x], mean * 0.0005, 0.0005 * 3) << row[0];
+      if (before[x + 2] == row[x + 2] && row[x + 2] != 0)
+        EXPECT_NEAR(row[x + 1] - before[x + 1], row[x + 2] * 0.0005, 1e-6) << row[0];
+      EXPECT_LE(std::abs(row[x + 2]), 500 + 1e-9);
+    }
+    EXPECT_EQ(row[9], 0) << row[0];
+  }
+  EXPECT_THAT(rows.numbers.back(), testing::ElementsAre(testing::_, 10, 0, 0, 0, 10, 0, 0, 0, 0));
+}
+
+// The chords of a circle may be off it by a quarter of the tolerance.
+TEST_F(CtlPath, RowsTellHowFarChordsAreOffTheirArc) {
+  const auto circle = file("G2 X0 Y0 I10 J0 F1200\n");
+  const auto other = path + ".csv";
+  EXPECT_EQ(run({"path", "check", circle, "--tolerance", "0.4", "--show", "x", "--csv", other}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(out, HasSubstr("units in"));
+  std::ostringstream text;
+  text << std::ifstream(other).rdbuf();
+  std::filesystem::remove(other);
+  const Rows rows(text.str());
+  EXPECT_THAT(rows.heading, testing::ElementsAre("t", "X_x", "Y_x", "off"));
+  double most = 0;
+  for (const auto& row : rows.numbers) {
+    EXPECT_NEAR(row[3], 10 - std::hypot(row[1] - 10, row[2]), 1e-8) << row[0];
+    most = std::max(most, row[3]);
+  }
+  EXPECT_LE(most, 0.1);
+  EXPECT_GT(most, 0.02);
+}
+
+// Cubics that meet the rows with a common velocity leave the lines between them.
+TEST_F(CtlPath, RowsOfATableWithTimesHaveAJerk) {
+  const auto table = file("t,x,y\n0,0,0\n1,5,1\n2,5,5\n3,0,5\n");
+  EXPECT_EQ(run({"path", "check", table, "--csv", "-", "--step", "0.01"}), ExitCode::done) << err;
+  const Rows rows(out);
+  const std::array<std::array<double, 2>, 4> corners{{{0, 0}, {5, 1}, {5, 5}, {0, 5}}};
+  double most = 0;
+  for (std::size_t i = 1; i < rows.numbers.size(); ++i) {
+    const auto& row = rows.numbers[i];
+    const auto line = std::min<std::size_t>(static_cast<std::size_t>(row[0]), 2);
+    double nearest = 1e9;
+    for (int k = 0; k <= 10'000; ++k) {
+      const double part = k / 1e4;
+      nearest = std::min(
+          nearest, std::hypot(row[1] - std::lerp(corners[line][0], corners[line + 1][0], part),
+                              row[5] - std::lerp(corners[line][1], corners[line + 1][1], part)));
+    }
+    EXPECT_NEAR(row[9], nearest, 1e-3) << row[0];
+    most = std::max(most, row[9]);
+    if (i % 100 > 1) {
+      EXPECT_NEAR(row[3] - rows.numbers[i - 1][3], row[4] * 0.01, 1e-6) << row[0];
+    }
+  }
+  EXPECT_GT(most, 0.1);
+  EXPECT_EQ(run({"path", "check", table, "--csv", "-", "--step", "1e-7"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("1000000 at most"));
+  EXPECT_EQ(run({"--json", "path", "check", table, "--csv", "-"}), ExitCode::usage);
 }
 
 TEST_F(CtlPath, RampsAreToldInWholeNumbersOfRegisters) {

@@ -218,7 +218,9 @@ struct CheckPath {
   bool legs = false;
   std::optional<double> microsteps_per_unit;
   double clock_hz = 16e6;
-  bool in_c = false;  ///< The registers of the legs, as a table.
+  std::optional<profile::ExportForm> as;  ///< The legs for other programs.
+  std::string csv;                        ///< Of all axes over time; empty: none.
+  double csv_step = 0.001;                ///< Seconds between its rows.
 };
 /// And run on axes.
 struct RunPath {

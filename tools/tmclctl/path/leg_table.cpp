@@ -10,6 +10,7 @@
 
 #include "connection/json_read.hpp"
 #include "output/print.hpp"
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 
@@ -33,9 +34,11 @@ json::object microsteps_json(const AxisRamp& ramp, double scale) {
   return ramps;
 }
 
-/// f / 2^24 and f^2 / 2^41, data sheets. VSTOP is 10 at least, they say.
+// VSTOP is 10 at least, data sheets say.
+constexpr std::int64_t least_vstop = 10;
+
+/// f / 2^24 and f^2 / 2^41, data sheets.
 json::object registers_json(const AxisRamp& ramp, const ChipScale& chip) {
-  constexpr std::int64_t least_vstop = 10;
   constexpr int velocity_bits = 24;
   constexpr int acceleration_bits = 41;
   const auto whole = [&](double value, int bits, double per_second) {
@@ -72,6 +75,62 @@ std::string rows_in_c(const json::object& registers, std::size_t axis) {
                         integer_at<std::int64_t>(registers, key), name);
   }
   return rows;
+}
+
+// ---- TMCL
+
+consteval std::uint8_t number_in_module(std::string_view name) {
+  return tmcl::number_of(tmcl::Family::sixpoint, name);
+}
+constexpr auto velocity_v1 = number_in_module("velocity_v1");
+
+/// As a module calls what a leg calls so.
+struct LegParameter {
+  std::string_view key;
+  std::uint8_t number;
+  std::string_view name;
+};
+constexpr std::array leg_parameters{
+    LegParameter{"vstart", number_in_module("start_velocity"), "start_velocity"},
+    LegParameter{"vmax", number_in_module("max_velocity"), "max_velocity"},
+    LegParameter{"vstop", number_in_module("stop_velocity"), "stop_velocity"},
+    LegParameter{"amax", number_in_module("max_acceleration"), "max_acceleration"},
+    LegParameter{"dmax", number_in_module("max_deceleration"), "max_deceleration"}};
+
+std::string sap_line(std::uint8_t number, std::size_t motor, std::int64_t value,
+                     std::string_view name) {
+  return fmt::format("{:<24}// {}\n", fmt::format("SAP {}, {}, {}", number, motor, value), name);
+}
+
+/// Those of the axes that move: what makes their ramps, and then all targets, so that they start
+/// together.
+std::string leg_in_tmcl(const json::array& axes, bool waits) {
+  std::string ramps;
+  std::string targets;
+  std::string waiting;
+  for (std::size_t motor = 0; motor < axes.size(); ++motor) {
+    const auto& microsteps = object_at(axes[motor].as_object(), "microsteps");
+    const auto value_of = [&](std::string_view key) {
+      return integer_at<std::int64_t>(microsteps, key);
+    };
+    if (value_of("vmax") == 0) continue;
+    for (const auto& [key, number, name] : leg_parameters) {
+      const auto value = value_of(key);
+      ramps += sap_line(number, motor,
+                        name == "stop_velocity" ? std::max(value, least_vstop) : value, name);
+    }
+    targets += sap_line(tmcl::axis_parameter::target_position, motor, value_of("target"),
+                        "target_position");
+    if (waits) waiting += fmt::format("WAIT POS, {}, 0\n", motor);
+  }
+  return ramps + targets + waiting;
+}
+
+/// Between two legs, where the file lets the axes stand.
+std::string wait_in_tmcl(double seconds) {
+  constexpr double ticks_per_second = 100;
+  const auto ticks = std::llround(seconds * ticks_per_second);
+  return ticks > 0 ? fmt::format("WAIT TICKS, 0, {}\n", ticks) : "";
 }
 
 /// The greatest value of the register that holds this; of the target there is no need to ask.
@@ -154,6 +213,34 @@ std::string legs_in_c(const json::array& legs, const ChipScale& scale) {
       "  long value;\n"
       "}} legs[] = {{\n{}}};\n",
       scale.clock_hz, names, rows);
+}
+
+std::string legs_in_tmcl(const json::array& legs, bool is_program) {
+  std::string rows;
+  double end = 0;
+  for (const auto& leg : legs) {
+    const auto& row = leg.as_object();
+    const double begin = number_at(row, "t1_s").value_or(0);
+    if (is_program) rows += wait_in_tmcl(begin - end);
+    end = number_at(row, "t4_s").value_or(0);
+    rows += fmt::format("// line {}, {:.4f} s to {:.4f} s\n", integer_at<std::size_t>(row, "line"),
+                        begin, end);
+    rows += leg_in_tmcl(array_at(row, "axes"), is_program);
+  }
+  std::string names;
+  std::string once;
+  const auto& axes = array_at(legs.front().as_object(), "axes");
+  for (std::size_t motor = 0; motor < axes.size(); ++motor) {
+    names += fmt::format("{}{} {}", names.empty() ? "" : ", ", motor,
+                         text_at(axes[motor].as_object(), "axis"));
+    once += sap_line(velocity_v1, motor, 0, "velocity_v1");
+  }
+  const auto heading = fmt::format(
+      "// For a module with a TMC5130, TMC5160 or TMC5072, whose motors stand where the path "
+      "begins.\n"
+      "// Motors: {}. All of a leg is written at its beginning, the targets last.\n",
+      names);
+  return heading + once + rows + (is_program ? "STOP\n" : "");
 }
 
 std::vector<plot::Mark> phases_of(const tmcl::plan::Course& course) {

@@ -31,6 +31,9 @@ std::vector<std::string> beyond_registers(const boost::json::array& legs, const 
 
 /// What is to be written for each leg, as a table in C: of legs with registers.
 std::string legs_in_c(const boost::json::array& legs, const ChipScale& scale);
+/// The same as lines of TMCL, for a module that counts in microsteps and seconds: motor 0 is the
+/// first axis. A program waits after each leg until its axes are there, and ends.
+std::string legs_in_tmcl(const boost::json::array& legs, bool is_program);
 /// T1 to T4 of each leg, where there are few; nothing otherwise.
 std::vector<plot::Mark> phases_of(const tmcl::plan::Course& course);
 

@@ -37,9 +37,15 @@ Shown or_usual_columns(Shown shown) {
   return {Quantity::position, Quantity::velocity, Quantity::acceleration};
 }
 
+Shown all_quantities() {
+  return {Quantity::position, Quantity::velocity, Quantity::acceleration, Quantity::jerk};
+}
+
+char letter_of(Quantity quantity) { return letters[static_cast<std::size_t>(quantity)]; }
+
 std::string csv_heading(const Shown& shown) {
   std::string text = "t";
-  for (const auto quantity : shown) text += {',', letters[static_cast<std::size_t>(quantity)]};
+  for (const auto quantity : shown) text += {',', letter_of(quantity)};
   return text + '\n';
 }
 

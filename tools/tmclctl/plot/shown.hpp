@@ -18,6 +18,9 @@ Shown or_usual(Shown shown);
 
 /// The columns of rows in CSV if nothing was asked for: all that a generator says of its motion.
 Shown or_usual_columns(Shown shown);
+Shown all_quantities();
+/// x, v, a or j.
+char letter_of(Quantity quantity);
 /// "t,x,v,a" and the end of the line.
 std::string csv_heading(const Shown& shown);
 constexpr double most_csv_rows = 1e6;

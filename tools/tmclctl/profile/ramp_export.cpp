@@ -1,7 +1,8 @@
 #include "profile/ramp_export.hpp"
 
+#include <algorithm>
+#include <array>
 #include <map>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
@@ -105,6 +106,14 @@ json::object document(const RampExport& ramp) {
 }
 
 }  // namespace
+
+tl::expected<ExportForm, std::string> export_form(std::string_view word) {
+  constexpr std::array<std::string_view, 4> names{"sap", "tmc", "c", "json"};
+  const auto found = std::ranges::find(names, word);
+  if (found == names.end())
+    return tl::unexpected(fmt::format("'{}' is none of sap, tmc, c and json", word));
+  return static_cast<ExportForm>(found - names.begin());
+}
 
 std::vector<ChipWord> chip_words(const RampExport& ramp) {
   const auto registers = RampRegisters::of(ramp.model);

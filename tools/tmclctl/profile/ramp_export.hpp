@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <tl/expected.hpp>
 
 #include "tmcl/model.hpp"
 #include "tmcl/plan/axis_twin.hpp"
@@ -16,6 +19,9 @@ enum class ExportForm : std::uint8_t {
   c,     ///< A table of the chip's registers.
   json,  ///< Parameters and registers.
 };
+
+/// One of the words of --as; an error names those there are.
+tl::expected<ExportForm, std::string> export_form(std::string_view word);
 
 struct RampExport {
   const tmcl::Model& model;

@@ -3,7 +3,9 @@
 
 #include "api/course_view.hpp"
 #include "command_line/text_problems.hpp"
+#include "output/output_file.hpp"
 #include "output/print.hpp"
+#include "path/course_rows.hpp"
 #include "path/leg_table.hpp"
 #include "path/path_source.hpp"
 #include "path_words.hpp"
@@ -21,6 +23,29 @@ Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objecti
   auto failure = usage_error(objection.name, verb.file + ": " + objection.message);
   failure.kind = tmcl::client::kind_of_objection(objection.name);
   return failure;
+}
+
+/// As the file has it, with arcs.
+plan::path_file::Path drawn_path(const std::string& text, const plan::PathSource& source) {
+  if (source.format == plan::PathFormat::csv) return source.path;
+  return plan::path_file::read_gcode(text).value_or(source.path);
+}
+
+Result<void> write_rows(const verb::CheckPath& verb, const plan::Course& course,
+                        const plan::path_file::Path& drawn, Output& output) {
+  const auto rows =
+      path::to_csv(course, drawn.axes, path::DrawnPath(drawn, course), {verb.csv_step, verb.show});
+  if (!rows) return tl::unexpected(rows.error());
+  if (verb.csv == "-") return output.out << *rows, Result<void>();
+  OutputFile csv;
+  return csv.open(verb.csv).and_then([&] { return csv.write(*rows); });
+}
+
+/// What the legs are for other programs; they have registers.
+std::string exported(const verb::CheckPath& verb, const boost::json::array& legs,
+                     const path::ChipScale& chip) {
+  if (*verb.as == profile::ExportForm::c) return path::legs_in_c(legs, chip);
+  return path::legs_in_tmcl(legs, *verb.as == profile::ExportForm::tmc);
 }
 
 Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
@@ -48,24 +73,36 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   if (verb.microsteps_per_unit) chip = path::ChipScale{*verb.microsteps_per_unit, verb.clock_hz};
   if (verb.legs) legs = path::leg_table(*planned, source->path.axes, chip);
   if (chip) warn(path::beyond_registers(legs, *chip), output);
-  if (verb.in_c && legs.empty()) {
+  if (!verb.csv.empty()) {
+    if (auto written = write_rows(verb, *planned, drawn_path(*text, *source), output); !written)
+      return tl::unexpected(written.error());
+  }
+  if (verb.as && legs.empty()) {
     return tl::unexpected(usage_error(
         "bad_path", verb.file + ": a table with times has no legs, and so no registers of them"));
   }
-  if (verb.in_c) {
-    output.out << path::legs_in_c(legs, *chip);
+  if (verb.as) {
+    output.out << exported(verb, legs, *chip);
   } else if (output.json) {
     auto document = tmcl::api::to_json(course);
     if (verb.legs) document["leg_table"] = std::move(legs);
     document["file"] = verb.file;
     print_json(document, output);
-  } else {
+  } else if (verb.csv != "-") {
     path::print(verb.file, course, output);
     if (verb.legs) path::print_legs(legs, output);
     if (!verb.show.empty() && verb.svg.empty())
       output.out << '\n' << path::drawing(verb.file, course, curve, drawing, output.out_screen);
   }
   return ExitCode::done;
+}
+
+Reading read_leg_form(const std::string& text, std::optional<profile::ExportForm>& into) {
+  const auto form = profile::export_form(text);
+  if (!form || *form == profile::ExportForm::json)
+    return tl::unexpected(fmt::format("'{}' is none of sap, tmc and c", text));
+  into = *form;
+  return {};
 }
 
 constexpr const char* path_help = R"(
@@ -86,13 +123,20 @@ where there are more than four, with the slowest corners.
 ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
 With --microsteps-per-unit the ramps come in microsteps as well, and as the registers of a TMC5130,
 TMC5160 or TMC5072 hold them at --clock: f/2^24 and f^2/2^41, VSTOP 10 at least. What is beyond a
-register is a warning with the number that would do.
+register is a warning with the number that would do. --as prints them for other programs: c is a table of
+registers; sap are lines of TMCL, and tmc is a program that 'tmclctl program' assembles, for a module whose
+motors 0, 1 ... are the axes.
+--csv is for other programs, too: time, X_x, X_v, X_a and X_j of each axis, and off, which is how far the
+axes are from the lines and arcs of the file, where chords stand in for an arc or cubics for the rows of a
+table with times. Where a velocity jumps, in a corner, there is no acceleration to tell.
 
   tmclctl path check part.ngc --velocity 20 --acceleration 500
   tmclctl path check part.csv --svg part.svg
   tmclctl path check part.ngc --show v,a
   tmclctl path check part.ngc --legs --microsteps-per-unit 10240
   tmclctl path check part.ngc --legs --microsteps-per-unit 10240 --as c
+  tmclctl path check part.ngc --legs --microsteps-per-unit 10240 --as tmc
+  tmclctl path check part.ngc --csv part.csv --step 0.01
   tmclctl --json path check part.ngc
 )";
 
@@ -116,17 +160,21 @@ Form add_path(Grammar& grammar) {
                number(check->corner_jump, least_of_path, most_of_path));
   plot::add_show(check, check->show);
   auto& said = *check.operator->();
-  check.option("--as", "c",
-               "With --legs --microsteps-per-unit: print the registers as a table in C",
-               [&said](const std::string& text) -> Reading {
-                 if (text != "c") return tl::unexpected(fmt::format("'{}' is not c", text));
-                 said.in_c = true;
-                 return {};
-               });
+  check.option("--as", "FORM",
+               "With --legs --microsteps-per-unit: print them for other programs: sap, tmc or c",
+               [&said](const std::string& text) { return read_leg_form(text, said.as); });
+  check.option("--csv", "FILE",
+               "Write position, velocity, acceleration and jerk of each axis over time, or what "
+               "--show names, and the distance from the path; '-': to standard output instead",
+               text(check->csv));
+  check.option("--step", "SECONDS", "Between the rows of --csv (default 0.001)",
+               number(check->csv_step, least_of_path, most_of_path));
   check.object([](const verb::CheckPath& verb, bool json) {
-    if (verb.in_c && (!verb.legs || !verb.microsteps_per_unit))
-      return "--as c needs --legs and --microsteps-per-unit";
-    return verb.in_c && json ? "--as and --json exclude each other" : "";
+    if (verb.as && (!verb.legs || !verb.microsteps_per_unit))
+      return "--as needs --legs and --microsteps-per-unit";
+    if (verb.as && json) return "--as and --json exclude each other";
+    if (verb.csv == "-" && json) return "--json and '--csv -' both want standard output";
+    return verb.csv == "-" && verb.as ? "--as and '--csv -' both want standard output" : "";
   });
   check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
              check->legs);

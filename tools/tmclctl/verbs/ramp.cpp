@@ -1,6 +1,4 @@
 // ramp.
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -361,13 +359,8 @@ Result<void> print_export(const verb::Ramp& verb, const Ramp& ramp, const tmcl::
   return {};
 }
 
-Reading read_form(const std::string& text, std::optional<profile::ExportForm>& form) {
-  constexpr std::array<std::string_view, 4> names{"sap", "tmc", "c", "json"};
-  const auto found = std::ranges::find(names, text);
-  if (found == names.end())
-    return tl::unexpected(fmt::format("'{}' is none of sap, tmc, c and json", text));
-  form = static_cast<profile::ExportForm>(found - names.begin());
-  return {};
+Reading read_form(const std::string& text, std::optional<profile::ExportForm>& into) {
+  return profile::export_form(text).map([&](profile::ExportForm form) { into = form; });
 }
 
 Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {

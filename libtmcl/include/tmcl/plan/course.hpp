@@ -72,6 +72,7 @@ class Course {
   double length() const { return length_; }
   /// Before 0 the start, after the duration the end; both at rest.
   PathState at(double t) const;
+  PathMotion motion_at(double t) const;
   /// The greatest magnitude of an axis' velocity.
   double top_speed(std::size_t axis) const { return top_speed_[axis]; }
   AxisValues least() const { return least_; }
@@ -110,7 +111,8 @@ class Course {
   class Maker;
 
   static double duration_of(const Piece& piece);
-  static PathState at(const Timetable& rows, double t);
+  static PathMotion motion_at(const Timetable& rows, double t);
+  const Piece& piece_at(double t) const;
 
   std::size_t axes_ = 0;
   bool timed_ = false;

@@ -95,6 +95,7 @@ struct LegPlan {
   /// The speed and the way along the leg, so long after its begin.
   double speed_after(double t) const;
   double way_after(double t) const;
+  double acceleration_after(double t) const;
 };
 
 /// What one axis does on a leg, in the parameters of a ramp generator with start and stop speeds.
@@ -112,6 +113,11 @@ struct PathState {
   AxisValues position{};
   AxisValues velocity{};
 };
+/// And how the velocity changes. What jumps in a corner has no jerk.
+struct PathMotion : PathState {
+  AxisValues acceleration{};
+  AxisValues jerk{};
+};
 
 /// A path with its speeds; it begins and ends at rest.
 class PathPlan {
@@ -126,6 +132,7 @@ class PathPlan {
   /// At a time since the start; before it the start, after the duration the end. In a corner it is
   /// already on the next leg.
   PathState at(double t) const;
+  PathMotion motion_at(double t) const;
 
   /// What it holds of memory, beside itself.
   std::size_t bytes() const {
@@ -136,6 +143,7 @@ class PathPlan {
   friend tl::expected<PathPlan, PathFault> plan_path(const AxisValues&, std::span<const Leg>,
                                                      const PathLimits&);
   double share(std::size_t leg, std::size_t axis) const;
+  std::size_t leg_at(double t) const;
 
   std::size_t axes_ = 0;
   std::vector<AxisValues> corners_;  // the start, and the target of each leg

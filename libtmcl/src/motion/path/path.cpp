@@ -156,6 +156,11 @@ double LegPlan::speed_after(double t) const {
   return t < up + even ? peak_speed : end_speed + acceleration * (duration() - t);
 }
 
+double LegPlan::acceleration_after(double t) const {
+  if (t < up) return acceleration;
+  return t < up + even ? 0 : -acceleration;
+}
+
 double LegPlan::way_after(double t) const {
   if (t < up) return t * (start_speed + acceleration * t / 2);
   const double ramp = (start_speed + peak_speed) / 2 * up;
@@ -182,17 +187,22 @@ AxisRamp PathPlan::ramp(std::size_t leg, std::size_t axis) const {
           part * plan.end_speed};
 }
 
+/// Of a time before the end.
+std::size_t PathPlan::leg_at(double t) const {
+  const auto later =
+      std::upper_bound(legs_.begin(), legs_.end(), std::max(t, 0.0),
+                       [](double time, const LegPlan& leg) { return time < leg.begin; });
+  return static_cast<std::size_t>(std::distance(legs_.begin(), later)) - 1;
+}
+
 PathState PathPlan::at(double t) const {
   PathState state;
   if (t >= duration() || legs_.empty()) {
     state.position = corners_.empty() ? AxisValues{} : corners_.back();
     return state;
   }
-  const auto later =
-      std::upper_bound(legs_.begin(), legs_.end(), std::max(t, 0.0),
-                       [](double time, const LegPlan& leg) { return time < leg.begin; });
-  const auto& leg = *std::prev(later);
-  const auto index = static_cast<std::size_t>(std::distance(legs_.begin(), later)) - 1;
+  const auto index = leg_at(t);
+  const auto& leg = legs_[index];
   const double after = std::max(t, 0.0) - leg.begin;
   for (std::size_t axis = 0; axis < axes_; ++axis) {
     const double part = share(index, axis);
@@ -200,6 +210,16 @@ PathState PathPlan::at(double t) const {
     state.velocity[axis] = part * leg.speed_after(after);
   }
   return state;
+}
+
+PathMotion PathPlan::motion_at(double t) const {
+  PathMotion motion{at(t)};
+  if (t < 0 || t >= duration()) return motion;
+  const auto index = leg_at(t);
+  const double acceleration = legs_[index].acceleration_after(t - legs_[index].begin);
+  for (std::size_t axis = 0; axis < axes_; ++axis)
+    motion.acceleration[axis] = share(index, axis) * acceleration;
+  return motion;
 }
 
 tl::expected<PathPlan, PathFault> plan_path(const AxisValues& start, std::span<const Leg> legs,

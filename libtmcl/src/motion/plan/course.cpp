@@ -209,8 +209,8 @@ std::size_t Course::bytes() const {
   return bytes;
 }
 
-PathState Course::at(const Timetable& rows, double t) {
-  PathState state;
+PathMotion Course::motion_at(const Timetable& rows, double t) {
+  PathMotion state;
   const auto later = std::ranges::upper_bound(rows, t, {}, &Row::time);
   if (later == rows.begin() || later == rows.end()) {
     state.position = later == rows.begin() ? rows.front().position : rows.back().position;
@@ -227,18 +227,33 @@ PathState Course::at(const Timetable& rows, double t) {
     const double c3 = v0 + v1 - 2 * way;
     state.position[axis] = from.position[axis] + u * (v0 + u * (c2 + u * c3));
     state.velocity[axis] = (v0 + u * (2 * c2 + u * 3 * c3)) / time;
+    state.acceleration[axis] = (2 * c2 + u * 6 * c3) / (time * time);
+    state.jerk[axis] = 6 * c3 / (time * time * time);
   }
   return state;
 }
 
+const Course::Piece& Course::piece_at(double t) const {
+  const auto later = std::ranges::upper_bound(pieces_, std::max(t, 0.0), {}, &Piece::begin);
+  return *std::prev(later);
+}
+
 PathState Course::at(double t) const {
   if (pieces_.empty()) return {least_, {}};
-  const auto later = std::ranges::upper_bound(pieces_, std::max(t, 0.0), {}, &Piece::begin);
-  const auto& piece = *std::prev(later);
+  const auto& piece = piece_at(t);
   const double after = std::max(t, 0.0) - piece.begin;
   if (const auto* plan = std::get_if<PathPlan>(&piece.what)) return plan->at(after);
   if (const auto* rest = std::get_if<Rest>(&piece.what)) return {rest->position, {}};
-  return at(std::get<Timetable>(piece.what), after);
+  return motion_at(std::get<Timetable>(piece.what), after);
+}
+
+PathMotion Course::motion_at(double t) const {
+  if (pieces_.empty()) return {{least_, {}}, {}, {}};
+  const auto& piece = piece_at(t);
+  const double after = t - piece.begin;
+  if (const auto* plan = std::get_if<PathPlan>(&piece.what)) return plan->motion_at(after);
+  if (const auto* rest = std::get_if<Rest>(&piece.what)) return {{rest->position, {}}, {}, {}};
+  return motion_at(std::get<Timetable>(piece.what), after);
 }
 
 CourseLeg Course::leg(std::size_t index) const {

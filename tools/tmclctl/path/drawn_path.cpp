@@ -1,0 +1,88 @@
+#include "path/drawn_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace tmclctl::path {
+
+using tmcl::plan::AxisValues;
+using tmcl::plan::path_file::ArcTo;
+using tmcl::plan::path_file::LineTo;
+
+DrawnPath::DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course& course)
+    : course_(course), axes_(std::min(path.axes.size(), path.length_axes)) {
+  Point here = path.start;
+  double time = 0;
+  for (auto& element : path.elements) {
+    const auto* line = std::get_if<LineTo>(&element);
+    const auto* arc = std::get_if<ArcTo>(&element);
+    if (line == nullptr && arc == nullptr) continue;
+    if (line != nullptr) time += line->duration.value_or(0);
+    const auto target = line != nullptr ? line->target : arc->target;
+    part_of_line_.emplace(line != nullptr ? line->line : arc->line, parts_.size());
+    parts_.push_back({here, std::move(element), time});
+    here = target;
+  }
+}
+
+double DrawnPath::distance(double time, const AxisValues& position) {
+  if (parts_.empty()) return 0;
+  find_part(time);
+  const auto& part = parts_[part_];
+  if (const auto* arc = std::get_if<ArcTo>(&part.element)) return from_arc(part, *arc, position);
+  return from_line(part, std::get<LineTo>(part.element).target, position);
+}
+
+void DrawnPath::find_part(double time) {
+  if (!course_.has_legs()) {
+    while (part_ + 1 < parts_.size() && time >= parts_[part_].end) ++part_;
+    return;
+  }
+  while (leg_ + 1 < course_.legs() && course_.leg(leg_ + 1).begin <= time) ++leg_;
+  if (leg_ < course_.legs()) part_ = part_of_line_.at(course_.leg(leg_).line);
+}
+
+double DrawnPath::from_line(const Part& part, const Point& target, const Point& position) const {
+  double squares = 0;
+  double along = 0;
+  for (std::size_t axis = 0; axis < axes_; ++axis) {
+    const double way = target[axis] - part.from[axis];
+    squares += way * way;
+    along += (position[axis] - part.from[axis]) * way;
+  }
+  const double share = squares > 0 ? std::clamp(along / squares, 0.0, 1.0) : 0;
+  double off = 0;
+  for (std::size_t axis = 0; axis < axes_; ++axis)
+    off = std::hypot(off, position[axis] - std::lerp(part.from[axis], target[axis], share));
+  return off;
+}
+
+double DrawnPath::from_arc(const Part& part, const ArcTo& arc, const Point& position) const {
+  constexpr double turn = 2 * std::numbers::pi;
+  const auto angle_of = [&](const Point& point) {
+    return std::atan2(point[1] - arc.centre_y, point[0] - arc.centre_x);
+  };
+  const auto radius_of = [&](const Point& point) {
+    return std::hypot(point[0] - arc.centre_x, point[1] - arc.centre_y);
+  };
+  const double angle = angle_of(position) - angle_of(part.from);
+  double least = std::numeric_limits<double>::infinity();
+  // Which of its turns it is: one that begins where it ends has two at that place.
+  for (const double turns : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
+    const double share = std::clamp((angle + turns * turn) / arc.sweep, 0.0, 1.0);
+    const double radius = std::lerp(radius_of(part.from), radius_of(arc.target), share);
+    const double place = angle_of(part.from) + arc.sweep * share;
+    double off = std::hypot(position[0] - arc.centre_x - radius * std::cos(place),
+                            position[1] - arc.centre_y - radius * std::sin(place));
+    for (std::size_t axis = 2; axis < axes_; ++axis) {
+      off = std::hypot(off, position[axis] - std::lerp(part.from[axis], arc.target[axis], share));
+    }
+    least = std::min(least, off);
+  }
+  return least;
+}
+
+}  // namespace tmclctl::path

@@ -1,0 +1,46 @@
+/// How far a point of a course is from what the file draws.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "tmcl/plan/course.hpp"
+#include "tmcl/plan/path_file.hpp"
+
+namespace tmclctl::path {
+
+/// Lines and arcs as they are in the file. A course passes an arc in chords, and the rows of a
+/// table with times in cubics.
+class DrawnPath {
+ public:
+  /// Of the course that was planned from it.
+  DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course& course);
+
+  /// Of a position that the course has at this time, from the line or the arc that it passes then.
+  /// Times ascend. From an arc it is measured at the angle of the position. Counted are the axes
+  /// that make the length of the path.
+  double distance(double time, const tmcl::plan::AxisValues& position);
+
+ private:
+  using Point = tmcl::plan::path_file::Point;
+  struct Part {
+    Point from{};
+    tmcl::plan::path_file::Element element;
+    double end = 0;  ///< Of the line of a table with times, in seconds.
+  };
+
+  void find_part(double time);
+  double from_line(const Part& part, const Point& target, const Point& position) const;
+  double from_arc(const Part& part, const tmcl::plan::path_file::ArcTo& arc,
+                  const Point& position) const;
+
+  const tmcl::plan::Course& course_;
+  std::size_t axes_;
+  std::vector<Part> parts_;
+  std::map<std::size_t, std::size_t> part_of_line_;
+  std::size_t leg_ = 0;
+  std::size_t part_ = 0;
+};
+
+}  // namespace tmclctl::path
