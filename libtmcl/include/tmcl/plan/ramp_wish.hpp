@@ -46,6 +46,10 @@ struct PlannedRamp {
   RampLength ramp_up() const;
 };
 
+/// The same in pulses, before anything is chosen; arguments and errors as below.
+tl::expected<RampRequest, RampObjection> ramp_request(const RampWish& wish, const AxisUnits& units,
+                                                      std::int32_t present_bow);
+
 /// The parameters that come nearest. `units` has a model, what its module counts in, and a scale
 /// where the wish needs one; `present_bow`: of the axis, for a jerk that is left as it is; 0 where
 /// there is none. Errors: what to_pps(), to_pps2() and to_pps3() object to; out_of_range for what

@@ -53,11 +53,14 @@ class Planner {
     request_.jerk.reset();
   }
 
+  tl::expected<RampRequest, RampObjection> request() {
+    return read_rates().and_then([&] { return read_jerk(); }).map([&] { return request_; });
+  }
+
   tl::expected<PlannedRamp, RampObjection> plan() {
-    return read_rates()
-        .and_then([&] { return read_jerk(); })
-        .and_then([&]() -> tl::expected<PlannedRamp, RampObjection> {
-          auto choice = choose_ramp(model_, request_, *units_.module);
+    return request().and_then(
+        [&](const RampRequest& request) -> tl::expected<PlannedRamp, RampObjection> {
+          auto choice = choose_ramp(model_, request, *units_.module);
           if (!choice) return tl::unexpected(too_far(choice.error()));
           PlannedRamp planned{std::move(*choice), {}};
           planned.warnings = foreseen(planned);
@@ -179,6 +182,11 @@ class Planner {
 
 RampLength PlannedRamp::ramp_up() const {
   return ramp_length(choice.velocity, choice.acceleration, {choice.jerk});
+}
+
+tl::expected<RampRequest, RampObjection> ramp_request(const RampWish& wish, const AxisUnits& units,
+                                                      std::int32_t present_bow) {
+  return Planner(wish, units, present_bow).request();
 }
 
 tl::expected<PlannedRamp, RampObjection> plan_ramp(const RampWish& wish, const AxisUnits& units,
