@@ -74,6 +74,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::plan_ramp>(observe),
     method<handlers::set_ramp>(operate),
     method<handlers::compare_ramps>(observe),
+    method<handlers::find_ramp>(observe),
     method<handlers::home>(operate),
     method<handlers::start_home>(operate),
     method<handlers::stop_home>(stop),

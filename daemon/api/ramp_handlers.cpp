@@ -13,6 +13,7 @@
 #include "tmcl/module_traits.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_comparison.hpp"
+#include "tmcl/plan/ramp_search.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 
 namespace tmcld::handlers {
@@ -39,8 +40,9 @@ struct ChosenRamp {
   plan::PlannedRamp ramp;
 };
 
-/// Nothing: as it is.
-Task<std::optional<plan::JerkWish>> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params,
+/// Nothing: as it is. `params` are those of a method that takes a ramp.
+template <class Params>
+Task<std::optional<plan::JerkWish>> jerk_asked_for(GatewayAxis& axis, const Params& params,
                                                    tmcl::AxisUnits& units) {
   if (params.jerk && params.bow) {
     co_return param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both");
@@ -102,7 +104,8 @@ std::vector<axis::ModuleTrait> view_of(const tmcl::ModuleTraits& traits) {
   return views;
 }
 
-Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
+/// With a model, and what its module counts in.
+Task<tmcl::AxisUnits> units_of_ready(GatewayAxis& axis) {
   co_await must(axis.be_ready(), axis);
   const auto* model = axis.module().model();
   const auto units = co_await must(axis.module_units(), axis);
@@ -111,20 +114,28 @@ Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
         "unknown_model", "the model of axis " + axis.name() +
                              " is not known, so what its parameters mean is not, either");
   }
+  co_return tmcl::AxisUnits{axis.name(), model, units};
+}
+
+/// 0 where the module has none.
+Task<std::int32_t> present_bow_of(GatewayAxis& axis, const tmcl::Model& model) {
+  if (model.family != tmcl::Family::tmc457) co_return 0;
+  const auto bow = co_await must(axis.get(max_bow, {}), axis);
+  co_return bow;
+}
+
+Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
+  const auto units = co_await must(units_of_ready(axis));
   auto wish = co_await must(wish_of(axis, params));
-  wish.units.model = model;
-  wish.units.module = units;
-  std::int32_t present_bow = 0;
-  if (model->family == tmcl::Family::tmc457) {
-    const auto bow = co_await must(axis.get(max_bow, {}), axis);
-    present_bow = bow;
-  }
+  wish.units.model = units.model;
+  wish.units.module = units.module;
+  const auto present_bow = co_await must(present_bow_of(axis, *units.model));
   auto planned = plan::plan_ramp(wish.ramp, wish.units, present_bow);
   if (!planned) {
     const auto& [part, error] = planned.error();
     co_return quantity_error(wish.params.at(static_cast<std::size_t>(part)), error);
   }
-  co_return ChosenRamp{model, std::move(*planned)};
+  co_return ChosenRamp{units.model, std::move(*planned)};
 }
 
 // The table has a row for everything that is chosen from it.
@@ -237,6 +248,79 @@ Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& pa
   co_return load;
 }
 
+using api::ramp::Find;
+
+/// 0 if it was not said.
+Task<double> figure_of(std::string_view param, std::optional<double> said) {
+  constexpr double greatest = 1e9;
+  if (!said) co_return 0.0;
+  const auto figure = co_await must(number_within(param, *said, 0, greatest));
+  co_return figure;
+}
+
+/// Nothing where a ramp is sought for a time, and no figures are said.
+Task<std::optional<plan::MotorWish>> motor_of(GatewayAxis& axis, const Find& params) {
+  constexpr double greatest_margin = 100;
+  const bool any = params.load || params.load_per_velocity || params.inertia || params.corner_speed;
+  if (!any && params.time_s) co_return std::nullopt;
+  plan::MotorWish motor;
+  motor.torque.load = co_await must(figure_of(api::name_of<&Find::load>(), params.load));
+  motor.torque.load_per_velocity =
+      co_await must(figure_of(api::name_of<&Find::load_per_velocity>(), params.load_per_velocity));
+  motor.torque.inertia = co_await must(figure_of(api::name_of<&Find::inertia>(), params.inertia));
+  if (params.corner_speed) {
+    motor.torque.corner_speed =
+        co_await must(figure_of(api::name_of<&Find::corner_speed>(), params.corner_speed));
+  }
+  motor.margin = co_await must(number_within(
+      api::name_of<&Find::margin>(), params.margin.value_or(motor.margin), 0, greatest_margin));
+  const auto resolution =
+      co_await must(axis.get(tmcl::axis_parameter::microstep_resolution, {}), axis);
+  motor.microsteps_per_full_step =
+      std::ldexp(1, std::clamp(resolution, 0, tmcl::max_microstep_resolution));
+  co_return motor;
+}
+
+/// The move, and what of its ramp is not sought.
+Task<plan::RampSearch> search_of(GatewayAxis& axis, const Find& params) {
+  plan::RampSearch search;
+  auto units = co_await must(units_of_ready(axis));
+  search.units = std::move(units);
+  const auto said = co_await must(length_of(
+      axis, raw_or_quantity<&Find::distance_microsteps, &Find::distance>(params), nullptr));
+  search.distance = said.microsteps;
+  auto jerk = co_await must(jerk_asked_for(axis, params, search.units));
+  search.jerk = std::move(jerk);
+  if (params.velocity || params.velocity_internal) {
+    const auto fastest = co_await must(
+        velocity_rate_of(axis, raw_or_quantity<&Find::velocity_internal, &Find::velocity>(params)));
+    search.fastest = fastest.in_pulses;
+  }
+  const auto present_bow = co_await must(present_bow_of(axis, *search.units.model));
+  search.present_bow = present_bow;
+  const auto twin = co_await must(axis.twin({}), axis);
+  if (!twin) {
+    co_return not_foreseeable(
+        axis, "the ramps of a " + std::string(search.units.model->name) + " are not described");
+  }
+  search.held = axis.ramp_settings();
+  co_return search;
+}
+
+Error why_not_found(const GatewayAxis& axis, const plan::RampSearch& search,
+                    const plan::RampSearchFault& fault) {
+  using Kind = plan::RampSearchFault::Kind;
+  switch (fault.kind) {
+    case Kind::objection: return quantity_error(jerk_param, fault.objection->error);
+    case Kind::too_quick:
+      return param_error<&Find::time_s>("out_of_range", describe(fault, search));
+    case Kind::too_little_torque:
+      return param_error<&Find::load>("out_of_range", describe(fault, search));
+    case Kind::not_foreseeable: break;
+  }
+  return not_foreseeable(axis, describe(fault, search));
+}
+
 }  // namespace
 
 Answer<api::ramp::Compare> compare_ramps(Call& call, const api::ramp::Compare& params) {
@@ -278,6 +362,29 @@ Answer<api::ramp::Compare> compare_ramps(Call& call, const api::ramp::Compare& p
   if (const auto first = plan::first_settled(verdicts))
     comparison.proposed = static_cast<std::int32_t>(*first);
   co_return comparison;
+}
+
+Answer<Find> find_ramp(Call& call, const Find& params) {
+  constexpr double least_s = 1e-6;
+  constexpr double greatest_s = 86'400;
+  const auto called = co_await must(axis_of(call, params.axis));
+  auto& axis = *called;
+  if (params.time_s) {
+    co_await must(
+        number_within(api::name_of<&Find::time_s>(), *params.time_s, least_s, greatest_s));
+  }
+  const auto search = co_await must(search_of(axis, params));
+  const auto motor = co_await must(motor_of(axis, params));
+  auto seek = [search, motor, time = params.time_s] {
+    return time ? plan::gentlest_ramp(search, *time) : plan::quickest_ramp(search, *motor);
+  };
+  auto found = co_await call.gateway->planner.plan(std::move(seek));
+  if (!found) co_return why_not_found(axis, search, found.error());
+  const auto unit = co_await unit_per_microstep(axis);
+  auto view = tmcld::view_of(*found, search, motor, unit);
+  view.axis = axis.name();
+  if (unit) view.unit = axis.unit();
+  co_return view;
 }
 
 Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {

@@ -56,4 +56,20 @@ tmcl::api::ramp::ComparedRamp view_of(const std::vector<tmcl::plan::Setting>& se
   return ramp;
 }
 
+tmcl::api::ramp::Found view_of(const tmcl::plan::FoundRamp& found,
+                               const tmcl::plan::RampSearch& search,
+                               const std::optional<tmcl::plan::MotorWish>& motor,
+                               std::optional<double> unit) {
+  tmcl::api::ramp::Found view{view_of(found.planned, *search.units.model, unit)};
+  view.distance_microsteps = search.distance.value;
+  view.move_s = *found.move.seconds;
+  view.top_speed_pps = found.move.top_speed;
+  if (unit) view.top_speed = found.move.top_speed * *unit;
+  if (!motor) return view;
+  const auto use = torque_use(found.move, motor->torque, motor->microsteps_per_full_step);
+  view.torque_share = use.share;
+  view.torque_share_pps = use.speed * motor->microsteps_per_full_step;
+  return view;
+}
+
 }  // namespace tmcld

@@ -8,6 +8,7 @@
 #include "tmcl/api/axis.hpp"
 #include "tmcl/api/ramp.hpp"
 #include "tmcl/plan/ramp_comparison.hpp"
+#include "tmcl/plan/ramp_search.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 
 namespace tmcld {
@@ -22,5 +23,10 @@ tmcl::api::axis::Ramp view_of(const tmcl::plan::PlannedRamp& planned, const tmcl
 tmcl::api::ramp::ComparedRamp view_of(const std::vector<tmcl::plan::Setting>& settings,
                                       const tmcl::plan::RampVerdict& verdict,
                                       const tmcl::Model& model, std::optional<double> unit);
+/// One that was sought; the axis and its unit are left out, `unit` as above.
+tmcl::api::ramp::Found view_of(const tmcl::plan::FoundRamp& found,
+                               const tmcl::plan::RampSearch& search,
+                               const std::optional<tmcl::plan::MotorWish>& motor,
+                               std::optional<double> unit);
 
 }  // namespace tmcld

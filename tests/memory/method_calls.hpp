@@ -83,6 +83,7 @@ inline const std::vector<MethodCall> all{
     {"ramp.compare",
      R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s","distance_microsteps":9000,)"
      R"("resonance_hz":12})"},
+    {"ramp.find", R"({"axis":"y","distance_microsteps":9000,"time_s":1})"},
     {"axis.home", R"({"axis":"x","mode":1,"timeout_ms":300})", {}, {0}, false, false, true},
     {"axis.start_home", R"({"axis":"x","mode":1})", {}, {0}},
     {"axis.stop_home", R"({"axis":"x"})", {{"axis.start_home", R"({"axis":"x"})"}}, {0}},

@@ -36,6 +36,7 @@ const std::vector<std::string> lines{
     "store 1/0 target_position",
     "params 3/1 --values",
     "ramp 3/1 --velocity 100000pps --acceleration 1000000pps/s",
+    "ramp 3/1 --time 500ms --distance 20000",
     "move 1/0 5000 --wait",
     "move 1/0 1rev --by --wait",
     "move 1/0 1mm",

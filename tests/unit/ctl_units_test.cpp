@@ -392,7 +392,93 @@ TEST_F(CtlRamp, ComparesOnlyWhatIsSaid) {
   EXPECT_THAT(target.calls, IsEmpty());
 }
 
+TEST_F(CtlRamp, SeeksOnAnAxis) {
+  target.result = {
+      {"axis", "x"},
+      {"model", "TMCM-6212"},
+      {"unit", "mm"},
+      {"velocity_pps", 20'480},
+      {"velocity", 2},
+      {"acceleration_pps2", 204'800},
+      {"acceleration", 20},
+      {"deceleration_pps2", 204'800},
+      {"deceleration", 20},
+      {"ramp_s", 0.1},
+      {"ramp_microsteps", 1024},
+      {"settings", {{{"parameter", "max_velocity"}, {"number", 4}, {"value", 20'480}}}},
+      {"distance_microsteps", 102'400},
+      {"move_s", 0.75},
+      {"top_speed_pps", 20'480},
+      {"top_speed", 2},
+      {"torque_share", 0.625},
+      {"torque_share_pps", 20'000}};
+  EXPECT_EQ(run({"ramp", "x", "--time", "800ms", "--distance", "10mm", "--velocity", "5mm/s"}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(out, HasSubstr("max_velocity       20480\n"));
+  EXPECT_THAT(out, HasSubstr("nothing was written\nthe move takes 0.75 s and gets to 2 mm/s"));
+  EXPECT_THAT(out, HasSubstr("asks for 62.5 % of the torque at most, at 20000 pps\n"));
+  EXPECT_EQ(run({"ramp", "x", "--fastest", "--distance", "10mm", "--inertia", "2000",
+                 "--corner-speed", "600", "--margin", "50%"}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(
+      target.calls,
+      ElementsAre(R"(ramp.find {"axis":"x","distance":"10mm","time_s":8E-1,"velocity":"5mm/s"})",
+                  R"(ramp.find {"axis":"x","distance":"10mm","load":0E0,"load_per_velocity":0E0,)"
+                  R"("inertia":2E3,"corner_speed":6E2,"margin":5E-1})"));
+}
+
+TEST_F(CtlRamp, SeeksOnlyWhatIsSaid) {
+  EXPECT_THAT(refusal({"ramp", "x"}), HasSubstr("give --velocity and --acceleration, or --time"));
+  EXPECT_THAT(refusal({"ramp", "x", "--time", "1s"}), HasSubstr("need --distance"));
+  EXPECT_THAT(refusal({"ramp", "x", "--time", "1s", "--fastest", "--distance", "1mm"}),
+              HasSubstr("exclude each other"));
+  EXPECT_THAT(refusal({"ramp", "x", "--time", "1mm", "--distance", "1mm"}),
+              HasSubstr("'1mm' is no time in s or ms"));
+  EXPECT_THAT(refusal({"ramp", "x", "--time", "0s", "--distance", "1mm"}), HasSubstr("not within"));
+  EXPECT_THAT(refusal(ramp({"--inertia", "5"})), HasSubstr("need --fastest or --time"));
+  EXPECT_THAT(refusal(ramp({"--time", "1s", "--distance", "1mm"})),
+              HasSubstr("find the acceleration"));
+  EXPECT_THAT(target.calls, IsEmpty());
+}
+
 // ---- without a module
+
+TEST_F(CtlRamp, OfAModelIsTheGentlestInTime) {
+  const std::vector<std::string> words{"ramp",   "--model", "TMCM-6212",  "--screw-pitch", "5",
+                                       "--time", "1s",      "--distance", "20mm"};
+  const auto document = json(words);
+  EXPECT_THAT(target.calls, IsEmpty());
+  EXPECT_LE(document.at("move_s").to_number<double>(), 1);
+  // 4 s / t^2, and 2 s / t.
+  EXPECT_NEAR(document.at("acceleration").to_number<double>(), 80, 0.5);
+  EXPECT_NEAR(document.at("top_speed").to_number<double>(), 40, 0.5);
+  auto as_sap = words;
+  as_sap.insert(as_sap.end(), {"--as", "sap"});
+  EXPECT_EQ(run(as_sap), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("// max_acceleration\n"));
+  auto too_quick = words;
+  too_quick[6] = "1ms";
+  EXPECT_THAT(refusal(too_quick), HasSubstr("s at best"));
+}
+
+// The load alone leaves 1000 / 1.3 - 100; a corner at 600 full steps a second is 153600 pps.
+TEST_F(CtlRamp, OfAModelIsTheQuickestWithinTheTorque) {
+  const std::vector<std::string> words{
+      "ramp",   "--model", "TMCM-6212", "--fastest", "--distance",     "200000microsteps",
+      "--load", "100",     "--inertia", "20000",     "--corner-speed", "600"};
+  const auto document = json(words);
+  EXPECT_LE(document.at("torque_share").to_number<double>(), 1 / 1.3);
+  EXPECT_GT(document.at("torque_share").to_number<double>(), 0.97 / 1.3);
+  auto with_more = words;
+  with_more.insert(with_more.end(), {"--margin", "200%"});
+  EXPECT_GT(json(with_more).at("move_s").to_number<double>(),
+            document.at("move_s").to_number<double>());
+  auto too_heavy = words;
+  too_heavy[7] = "900";
+  EXPECT_THAT(refusal(too_heavy), HasSubstr("less torque than the margin wants"));
+}
 
 TEST_F(CtlRamp, OfAModelComparesAllBows) {
   const auto document = json({"ramp", "--model", "TMCM-142", "--screw-pitch", "5", "--velocity",

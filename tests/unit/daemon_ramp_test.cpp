@@ -272,6 +272,38 @@ TEST_F(DaemonBow, AllAreComparedByTheLoadThatTheyShake) {
   EXPECT_FALSE(comparison.ramps.back().move_s) << "it swings around its target";
 }
 
+// A ramp up and a ramp down; the axis has its bow.
+TEST_F(DaemonBow, TheGentlestRampInTimeIsFound) {
+  put(18, 0);
+  const auto done = call("ramp.find", {{"distance", "10mm"}, {"time_s", 1}});
+  ASSERT_TRUE(done) << done.error().message;
+  const auto found = api::from_json<api::ramp::Found>(*done);
+  EXPECT_THAT(written(), IsEmpty());
+  EXPECT_EQ(found.unit, "mm");
+  EXPECT_EQ(found.distance_microsteps, 102'400);
+  EXPECT_LE(found.move_s, 1);
+  EXPECT_NEAR(found.acceleration.value(), 40, 0.4);
+  EXPECT_NEAR(found.top_speed.value(), 20, 0.2);
+  EXPECT_FALSE(found.torque_share);
+  put(18, 4);
+  const auto smooth = call("ramp.find", {{"distance", "10mm"}, {"time_s", 1}});
+  ASSERT_TRUE(smooth) << smooth.error().message;
+  EXPECT_GT(smooth->at("acceleration").to_number<double>(), 41) << "an S-curve needs more";
+}
+
+TEST_F(DaemonBow, WhatCannotBeFoundIsRefused) {
+  const auto refused = [&](json::object params) {
+    const auto done = call("ramp.find", std::move(params));
+    return done ? "none" : done.error().name + ": " + done.error().message;
+  };
+  EXPECT_THAT(refused({{"time_s", 1}}), HasSubstr("distance"));
+  EXPECT_THAT(refused({{"distance", "10mm"}, {"time_s", 0}}), HasSubstr("'time_s' is"));
+  EXPECT_THAT(refused({{"distance", "10mm"}, {"time_s", 0.001}}), HasSubstr("s at best"));
+  EXPECT_THAT(refused({{"distance", "0mm"}, {"time_s", 1}}), HasSubstr("not_foreseeable"));
+  EXPECT_THAT(refused({{"distance", "10mm"}, {"load", 900}}), HasSubstr("less torque than"));
+  EXPECT_THAT(refused({{"distance", "10mm"}, {"load", -1}}), HasSubstr("'load' is 0 to"));
+}
+
 TEST_F(DaemonBow, WhatCannotBeComparedIsRefused) {
   const auto refused = [&](json::object more) {
     const auto done = call("ramp.compare", with(std::move(more)));
@@ -288,6 +320,23 @@ TEST_F(DaemonBow, WhatCannotBeComparedIsRefused) {
 struct DaemonSixpointRamp : DaemonRamp {
   DaemonSixpointRamp() : DaemonRamp("TMCM-6212") {}
 };
+
+TEST_F(DaemonSixpointRamp, TheQuickestRampWithinTheTorqueIsFound) {
+  const auto find = [&](double inertia) {
+    const auto done = call("ramp.find", {{"distance_microsteps", 100'000},
+                                         {"load", 100},
+                                         {"inertia", inertia},
+                                         {"corner_speed", 600}});
+    return done ? api::from_json<api::ramp::Found>(*done) : api::ramp::Found{};
+  };
+  const auto light = find(5'000);
+  const auto heavy = find(50'000);
+  EXPECT_LT(light.move_s, heavy.move_s);
+  for (const auto& found : {light, heavy}) {
+    EXPECT_LE(found.torque_share.value(), 1 / 1.3);
+    EXPECT_GT(found.torque_share.value(), 0.95 / 1.3);
+  }
+}
 
 TEST_F(DaemonSixpointRamp, BrakesAsAsked) {
   auto params = ramp("50000pps", "200000pps/s");

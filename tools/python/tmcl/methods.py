@@ -46,6 +46,7 @@ EFFECTS: Mapping[str, str] = {
     "axis.plan_ramp": "reads",
     "axis.set_ramp": "writes",
     "ramp.compare": "reads",
+    "ramp.find": "reads",
     "axis.home": "moves",
     "axis.start_home": "moves",
     "axis.stop_home": "stops",
@@ -807,6 +808,56 @@ class RampCompare(Record):
     #: which of them, from 0 on, has its load stand first; null without a load
     proposed: int | None = None
     _inner: ClassVar[Mapping[str, type[Record]]] = {"ramps": RampCompareRamps}
+
+
+@dataclass(frozen=True)
+class RampFind(Record):
+    #: name of the axis
+    axis: str = ""
+    #: model of its module
+    model: str = ""
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: what the settings give, in microsteps per second
+    velocity_pps: float = 0.0
+    #: the same in the unit per second
+    velocity: float | None = None
+    #: the same, per second squared
+    acceleration_pps2: float = 0.0
+    #: the same in the unit
+    acceleration: float | None = None
+    #: the same, of braking
+    deceleration_pps2: float = 0.0
+    #: the same in the unit
+    deceleration: float | None = None
+    #: the same, per second cubed; null for an acceleration that changes at once
+    jerk_pps3: float | None = None
+    #: the same in the unit
+    jerk: float | None = None
+    #: how long it takes to get up to speed
+    ramp_s: float = 0.0
+    #: how far it goes meanwhile
+    ramp_microsteps: float = 0.0
+    #: what makes the ramp
+    settings: tuple[AxisGetRampSettings, ...] = ()
+    #: what it will do instead where the module cannot do what was asked
+    remarks: tuple[str, ...] = ()
+    #: warnings about moves with its settings
+    warnings: tuple[str, ...] = ()
+    #: how far the move goes
+    distance_microsteps: int = 0
+    #: how long it takes
+    move_s: float = 0.0
+    #: how fast it gets, in microsteps per second
+    top_speed_pps: float = 0.0
+    #: the same in the unit per second
+    top_speed: float | None = None
+    #: the greatest part that it asks for of the torque that is there at its speed; null
+    #: without figures of a motor
+    torque_share: float | None = None
+    #: the speed at which that is
+    torque_share_pps: float | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
 
 
 @dataclass(frozen=True)
@@ -1761,6 +1812,27 @@ class Methods:
         swings."""
         return RampCompare.of(self._call("ramp.compare", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow, "distance_microsteps": distance_microsteps, "distance": distance, "resonance_hz": resonance_hz, "damping": damping, "tolerance_microsteps": tolerance_microsteps, "tolerance": tolerance}))
 
+    def ramp_find(
+        self,
+        axis: str,
+        *,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        time_s: float | None = None,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+        load: float | None = None,
+        load_per_velocity: float | None = None,
+        inertia: float | None = None,
+        corner_speed: float | None = None,
+        margin: float | None = None,
+    ) -> RampFind:
+        """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a motor
+        can drive; writes nothing."""
+        return RampFind.of(self._call("ramp.find", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "time_s": time_s, "velocity": velocity, "velocity_internal": velocity_internal, "jerk": jerk, "bow": bow, "load": load, "load_per_velocity": load_per_velocity, "inertia": inertia, "corner_speed": corner_speed, "margin": margin}))
+
     def axis_home(
         self,
         axis: str,
@@ -2659,6 +2731,27 @@ class AsyncMethods:
         """`ramp.compare` what the ramps of an axis that stands make of a move and of a load that
         swings."""
         return RampCompare.of(await self._call("ramp.compare", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow, "distance_microsteps": distance_microsteps, "distance": distance, "resonance_hz": resonance_hz, "damping": damping, "tolerance_microsteps": tolerance_microsteps, "tolerance": tolerance}))
+
+    async def ramp_find(
+        self,
+        axis: str,
+        *,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        time_s: float | None = None,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+        load: float | None = None,
+        load_per_velocity: float | None = None,
+        inertia: float | None = None,
+        corner_speed: float | None = None,
+        margin: float | None = None,
+    ) -> RampFind:
+        """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a motor
+        can drive; writes nothing."""
+        return RampFind.of(await self._call("ramp.find", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "time_s": time_s, "velocity": velocity, "velocity_internal": velocity_internal, "jerk": jerk, "bow": bow, "load": load, "load_per_velocity": load_per_velocity, "inertia": inertia, "corner_speed": corner_speed, "margin": margin}))
 
     async def axis_home(
         self,

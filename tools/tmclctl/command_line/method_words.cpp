@@ -42,6 +42,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"axis.plan_ramp", "ramp --dry-run"},
     {"axis.set_ramp", "ramp"},
     {"ramp.compare", "ramp --compare"},
+    {"ramp.find", "ramp --fastest"},
     {"axis.home", "home"},
     {"axis.start_home", "home --no-wait"},
     {"axis.stop_home", "home --stop"},

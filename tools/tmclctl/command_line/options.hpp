@@ -16,6 +16,7 @@
 #include "plot/shown.hpp"
 #include "profile/ramp_export.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/plan/motor_torque.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "verb_info.hpp"
 
@@ -272,7 +273,11 @@ struct Ramp {
   std::string distance;
   std::optional<double> resonance_hz;
   std::optional<double> damping;
-  std::string tolerance;  ///< Empty: a thousandth of the distance.
+  std::string tolerance;         ///< Empty: a thousandth of the distance.
+  std::optional<double> time_s;  ///< The gentlest ramp is sought that makes the move in it.
+  bool fastest = false;          ///< The quickest ramp is sought that this motor can drive:
+  tmcl::plan::MotorTorque torque;
+  double margin = 0.3;  ///< Of its torque, in parts of what is asked.
   bool dry_run = false;
   bool store = false;
   bool internal = false;

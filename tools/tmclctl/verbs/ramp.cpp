@@ -15,6 +15,7 @@
 #include "tmcl/plain_number.hpp"
 #include "tmcl/plan/ramp_comparison.hpp"
 #include "tmcl/plan/ramp_registers.hpp"
+#include "tmcl/plan/ramp_search.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 #include "tmcl/scale_factor.hpp"
 #include "verbs.hpp"
@@ -359,19 +360,138 @@ Result<void> print_export(const verb::Ramp& verb, const Ramp& ramp, const tmcl::
   return {};
 }
 
+// ---- a ramp that is sought
+
+using api::ramp::Found;
+
+bool is_sought(const verb::Ramp& verb) { return verb.time_s || verb.fastest; }
+bool has_figures(const plan::MotorTorque& motor) { return motor != plan::MotorTorque{}; }
+
+json::object found_json(const Found& found) {
+  auto document = api::to_json(found);
+  if (found.axis.empty()) document.erase(api::name_of<&Found::axis>());
+  document.erase(api::name_of<&Found::settings>());
+  json::object parameters;
+  for (const auto& setting : found.settings) parameters[setting.parameter] = setting.value;
+  document["parameters"] = std::move(parameters);
+  document["written"] = false;
+  return document;
+}
+
+/// "the move takes 0.9999 s and gets to 20 mm/s; asks for ..."
+std::string move_text(const verb::Ramp& verb, const Found& found) {
+  const bool in_unit = found.top_speed && !verb.internal;
+  auto text =
+      fmt::format("the move takes {} s and gets to {}", tmcl::plain_number(found.move_s, 6),
+                  in_unit ? shown(InUnit{*found.top_speed, *found.unit + "/s"}, found.top_speed_pps)
+                          : fmt::format("{} pps", tmcl::plain_number(found.top_speed_pps, 10)));
+  if (!found.torque_share) return text;
+  return text + fmt::format("; it asks for {:.1f} % of the torque at most, at {} pps",
+                            100 * *found.torque_share,
+                            tmcl::plain_number(found.torque_share_pps.value_or(0), 6));
+}
+
+void show(const verb::Ramp& verb, const Found& found, Output& output) {
+  warn(found.warnings, output);
+  if (output.json) return print_json(found_json(found), output);
+  for (const auto& setting : found.settings)
+    output.out << fmt::format("{:<18} {}\n", setting.parameter, setting.value);
+  output.out << gives_text(verb, found) << "; nothing was written\n"
+             << move_text(verb, found) << '\n';
+  warn(found.remarks, output);
+}
+
+Result<ExitCode> find_on_axis(const verb::Ramp& verb, Context& context) {
+  constexpr auto longest_search = std::chrono::seconds(120);
+  const auto typed = [&](const std::string& text) { return Typed{text, verb.internal}; };
+  api::ramp::Find method;
+  method.axis = verb.axis;
+  method.distance = typed(verb.distance).amount();
+  method.distance_microsteps = typed(verb.distance).counted();
+  method.time_s = verb.time_s;
+  method.velocity = typed(verb.velocity).amount();
+  method.velocity_internal = typed(verb.velocity).counted();
+  method.jerk = typed(verb.jerk).amount();
+  method.bow = typed(verb.jerk).counted();
+  if (verb.fastest || has_figures(verb.torque)) {
+    method.load = verb.torque.load;
+    method.load_per_velocity = verb.torque.load_per_velocity;
+    method.inertia = verb.torque.inertia;
+    method.corner_speed = verb.torque.corner_speed;
+    method.margin = verb.margin;
+  }
+  const auto found = context.call(method, tmcl::client::CallOptions{longest_search, {}});
+  if (!found) return tl::unexpected(found.error());
+  show(verb, *found, context.output);
+  return ExitCode::done;
+}
+
+Result<plan::RampSearch> search_of(const verb::Ramp& verb, const AxisUnits& units) {
+  plan::RampSearch search{units};
+  const auto distance = length_of(verb.distance, units);
+  if (!distance) return tl::unexpected(distance.error());
+  search.distance = *distance;
+  auto jerk = jerk_of(verb.jerk, verb.internal);
+  if (!jerk) return tl::unexpected(jerk.error());
+  search.jerk = std::move(*jerk);
+  search.present_bow = initial_bow(units);
+  if (verb.velocity.empty()) return search;
+  return rate_of(verb.velocity, units, tmcl::Dimension::velocity)
+      .and_then(
+          [&](const Quantity& velocity) { return attempt(to_pps(velocity, units.undirected())); })
+      .map([&](tmcl::PulsesPerSecond fastest) {
+        search.fastest = fastest;
+        return search;
+      });
+}
+
+Result<Found> found_on_model(const verb::Ramp& verb, const AxisUnits& units,
+                             std::optional<double> unit) {
+  const auto search = search_of(verb, units);
+  if (!search) return tl::unexpected(search.error());
+  std::optional<plan::MotorWish> motor;
+  if (verb.fastest || has_figures(verb.torque)) {
+    motor = {verb.torque, std::ldexp(1, units.scale->steps.resolution), verb.margin};
+  }
+  const auto found = verb.time_s ? plan::gentlest_ramp(*search, *verb.time_s)
+                                 : plan::quickest_ramp(*search, *motor);
+  if (!found) {
+    using Kind = plan::RampSearchFault::Kind;
+    if (found.error().kind == Kind::objection)
+      return tl::unexpected(error_from(found.error().objection->error));
+    const bool is_described = found.error().kind != Kind::not_foreseeable;
+    return tl::unexpected(usage_error(is_described ? "out_of_range" : "not_foreseeable",
+                                      describe(found.error(), *search)));
+  }
+  auto view = tmcld::view_of(*found, *search, motor, unit);
+  if (unit) view.unit = units.scale->unit;
+  return view;
+}
+
 Reading read_form(const std::string& text, std::optional<profile::ExportForm>& into) {
   return profile::export_form(text).map([&](profile::ExportForm form) { into = form; });
+}
+
+Result<ExitCode> find_on_model(const verb::Ramp& verb, const AxisUnits& units,
+                               std::optional<double> unit, Output& output) {
+  const auto found = found_on_model(verb, units, unit);
+  if (!found) return tl::unexpected(found.error());
+  if (verb.as)
+    return print_export(verb, *found, *units.model, output).map([] { return ExitCode::done; });
+  show(verb, *found, output);
+  return ExitCode::done;
 }
 
 Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
   const auto units = axis_units_of(verb.offline);
   if (!units) return tl::unexpected(units.error());
+  std::optional<double> unit;
+  if (units->has_unit()) unit = 1 / std::abs(tmcl::microsteps_per_unit(*units->scale));
+  if (is_sought(verb)) return find_on_model(verb, *units, unit, output);
   const auto wish = wish_of(verb, *units);
   if (!wish) return tl::unexpected(wish.error());
   const auto planned = plan::plan_ramp(*wish, *units, initial_bow(*units));
   if (!planned) return tl::unexpected(error_from(planned.error().error));
-  std::optional<double> unit;
-  if (units->has_unit()) unit = 1 / std::abs(tmcl::microsteps_per_unit(*units->scale));
   if (verb.compare) {
     const auto comparison = compared(verb, *planned, *units, unit);
     if (!comparison) return tl::unexpected(comparison.error());
@@ -388,6 +508,7 @@ Result<ExitCode> run_on_model(const verb::Ramp& verb, Output& output) {
 
 Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
   if (verb.compare) return compare_on_axis(verb, context);
+  if (is_sought(verb)) return find_on_axis(verb, context);
   auto set = method_of<api::axis::SetRamp>(verb);
   if (verb.store) set.store = true;
   const auto ramp =
@@ -408,6 +529,43 @@ Reading read_resonance(std::string text, std::optional<double>& into) {
   return parse_number<double>(text, least, greatest).map([&](double hertz) { into = hertz; });
 }
 
+Reading read_time(const std::string& text, std::optional<double>& seconds) {
+  constexpr double least_s = 1e-6;
+  constexpr double greatest_s = 86'400;
+  const auto quantity = tmcl::parse_quantity(text);
+  if (!quantity) return tl::unexpected(quantity.error().message);
+  const double unit = quantity->unit == "ms" ? 1e-3 : 1;
+  if (!quantity->unit.empty() && quantity->unit != "s" && quantity->unit != "ms")
+    return tl::unexpected(fmt::format("'{}' is no time in s or ms", text));
+  seconds = quantity->number * unit;
+  if (*seconds >= least_s && *seconds <= greatest_s) return {};
+  return tl::unexpected(fmt::format("{} is not within {} s and {} s", text, least_s, greatest_s));
+}
+
+/// 30%, or 0.3.
+Reading read_margin(std::string text, double& margin) {
+  constexpr double greatest = 100;
+  const bool in_percent = text.ends_with('%');
+  if (in_percent) text.pop_back();
+  return parse_number<double>(text, 0, in_percent ? 100 * greatest : greatest)
+      .map([&](double value) { margin = in_percent ? value / 100 : value; });
+}
+
+std::string conflict_of_search(const verb::Ramp& said) {
+  if (said.time_s && said.fastest) return "--time and --fastest exclude each other";
+  if (!is_sought(said)) {
+    if (has_figures(said.torque)) return "the figures of a motor need --fastest or --time";
+    if (said.velocity.empty() || said.acceleration.empty())
+      return "give --velocity and --acceleration, or --time or --fastest";
+    return "";
+  }
+  if (said.compare) return "--compare and --time or --fastest exclude each other";
+  if (said.distance.empty()) return "--time and --fastest need --distance";
+  if (!said.acceleration.empty() || !said.deceleration.empty())
+    return "--time and --fastest find the acceleration";
+  return said.store ? "--store needs an axis that is set" : "";
+}
+
 std::string conflict_in(const verb::Ramp& said, bool json) {
   if (said.as && !said.offline.is_meant()) return "--as needs --model";
   if (said.as && json) return "--as and --json exclude each other";
@@ -415,11 +573,13 @@ std::string conflict_in(const verb::Ramp& said, bool json) {
     return "--store needs an axis that is set";
   if (said.as && said.compare) return "--as and --compare exclude each other";
   if (said.compare && said.distance.empty()) return "--compare needs --distance";
-  if (!said.distance.empty() && !said.compare) return "--distance needs --compare";
+  if (!said.distance.empty() && !said.compare && !is_sought(said))
+    return "--distance needs --compare, --time or --fastest";
   if (said.resonance_hz && !said.compare) return "--resonance needs --compare";
   if (said.damping && !said.resonance_hz) return "--damping needs --resonance";
   if (!said.tolerance.empty() && !said.resonance_hz) return "--tolerance needs --resonance";
   if (said.axis.empty() == !said.offline.is_meant()) return "name an axis, or say --model MODEL";
+  if (auto conflict = conflict_of_search(said); !conflict.empty()) return conflict;
   return objection_to(said.offline);
 }
 
@@ -456,7 +616,39 @@ the motor; then it shows how far that still swings when the motor has arrived, w
 more than --tolerance, and with which ramp that is first.
 
   tmclctl ramp --model TMCM-142 --screw-pitch 5 --velocity 20mm/s --acceleration 200mm/s^2 --compare --distance 10mm --resonance 12Hz --tolerance 0.01mm
+
+--time and --fastest find the velocity and the acceleration, and set nothing. --time: the least
+acceleration with which a move by --distance takes no longer, and the least velocity with that. --fastest:
+the ramp with which it takes the shortest time, and asks at each speed for no more torque than the motor
+has by --load, --friction, --inertia and --corner-speed; --margin of what is asked is left. The figures are those
+of a motor under load in the simulator, in 1/1000 of the torque that the motor holds, for full steps
+and seconds. Both let the ramp generator make the move, to the tick; no velocity is above --velocity.
+
+  tmclctl ramp x --time 1s --distance 10mm
+  tmclctl ramp --model TMCM-6212 --screw-pitch 5 --time 800ms --distance 20mm --as tmc
+  tmclctl ramp --model TMCM-6212 --screw-pitch 5 --fastest --distance 20mm --inertia 20000 --friction 50 --corner-speed 600 --margin 30%
 )";
+
+void add_search(VerbForm<verb::Ramp>& ramp) {
+  constexpr double greatest_figure = 1e9;
+  auto& typed = *ramp.operator->();
+  ramp.option("--time", "TIME", "Find the gentlest ramp with which the move takes no longer",
+              [&typed](const std::string& text) { return read_time(text, typed.time_s); });
+  ramp.flag("--fastest", "Find the quickest ramp for which the motor has the torque",
+            ramp->fastest);
+  ramp.option("--load", "TORQUE", "What the motor drives, in 1/1000 of the torque that it holds",
+              number(ramp->torque.load, 0, greatest_figure));
+  ramp.option("--friction", "TORQUE",
+              "More of it for each full step a second, in 1/1000: load_per_velocity",
+              number(ramp->torque.load_per_velocity, 0, greatest_figure));
+  ramp.option("--inertia", "TORQUE", "More of it for each full step a second squared, in 1/1000000",
+              number(ramp->torque.inertia, 0, greatest_figure));
+  ramp.option("--corner-speed", "SPEED",
+              "Full steps a second above which the torque of the motor falls",
+              number(ramp->torque.corner_speed, 1, greatest_figure));
+  ramp.option("--margin", "PART", "Torque to leave, of what is asked (default 30%)",
+              [&typed](const std::string& text) { return read_margin(text, typed.margin); });
+}
 
 }  // namespace
 
@@ -466,10 +658,11 @@ void add_ramp(Grammar& grammar) {
       ramp_help, run);
   ramp.optional_word("AXIS", axis_meaning, text(ramp->axis));
   add_offline_axis(ramp, ramp->offline);
-  ramp.required_option("--velocity", "VELOCITY", "Of positioning moves, such as 50000pps",
-                       text(ramp->velocity));
-  ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 100mm/s^2",
-                       text(ramp->acceleration));
+  ramp.option("--velocity", "VELOCITY",
+              "Of positioning moves, such as 50000pps; with --time and --fastest no more than this",
+              text(ramp->velocity));
+  ramp.option("--acceleration", "ACCELERATION", "Of every ramp, such as 100mm/s^2",
+              text(ramp->acceleration));
   ramp.option("--deceleration", "ACCELERATION", "To brake with, where the module has it apart",
               text(ramp->deceleration));
   ramp.option("--jerk", "JERK",
@@ -482,8 +675,10 @@ void add_ramp(Grammar& grammar) {
               number(ramp->motor, 0, 255));
   ramp.flag("--compare", "Show all bows, or sets of A1, V1 and D1, for a move; nothing is set",
             ramp->compare);
-  ramp.option("--distance", "DISTANCE", "With --compare: of the move, such as 10mm",
+  ramp.option("--distance", "DISTANCE",
+              "With --compare, --time and --fastest: of the move, such as 10mm",
               text(ramp->distance));
+  add_search(ramp);
   ramp.option(
       "--resonance", "HZ", "With --compare: follow a load that swings so behind the motor",
       [&typed](const std::string& text) { return read_resonance(text, typed.resonance_hz); });
