@@ -38,7 +38,7 @@ class BusLink {
   const TrafficLog& traffic() const { return *traffic_; }
   /// What it brought since it was opened, or since hear_anew(). Nothing of it holds on CAN.
   const tmcl::Heard& heard() const { return *heard_; }
-  void hear_anew() { *heard_ = tmcl::Heard(config_.bus_options.host_address); }
+  void hear_anew() { heard_->begin_anew(); }
   /// One scan at a time: set while one runs.
   bool scanning = false;
 

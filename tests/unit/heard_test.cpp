@@ -52,6 +52,15 @@ TEST_F(Listening, AnAnswerCountsWhateverElseCame) {
   EXPECT_EQ(kind(), HeardKind::answers);
 }
 
+TEST_F(Listening, BegunAnewItKnowsWhatWasAskedLast) {
+  ask();
+  come("login: ");
+  heard.begin_anew();
+  EXPECT_EQ(kind(), HeardKind::nothing);
+  come(answer());
+  EXPECT_EQ(kind(), HeardKind::answers);
+}
+
 TEST_F(Listening, TheVersionMayComeAsAText) {
   ask();
   come(

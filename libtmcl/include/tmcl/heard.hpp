@@ -48,6 +48,8 @@ class Heard {
       : host_(host_address), decoder_(host_address) {}
 
   void note(const Traffic& traffic);
+  /// What came until now counts no more. The last question does: its answer may be on its way.
+  void begin_anew();
   HeardVerdict verdict() const;
 
  private:

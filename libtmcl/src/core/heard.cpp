@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -46,6 +47,14 @@ void Heard::note(const Traffic& traffic) {
   asked_at_ = traffic.at;
   decoder_.expect_version_text(asked_[1] ==
                                static_cast<std::uint8_t>(Command::GET_FIRMWARE_VERSION));
+}
+
+void Heard::begin_anew() {
+  Heard anew(host_);
+  anew.asked_ = asked_;
+  anew.has_asked_ = has_asked_;
+  anew.asked_at_ = asked_at_;
+  *this = std::move(anew);
 }
 
 void Heard::note_byte(std::uint8_t byte) {

@@ -1829,8 +1829,8 @@ class Methods:
         corner_speed: float | None = None,
         margin: float | None = None,
     ) -> RampFind:
-        """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a motor
-        can drive; writes nothing."""
+        """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a
+        motor can drive; writes nothing."""
         return RampFind.of(self._call("ramp.find", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "time_s": time_s, "velocity": velocity, "velocity_internal": velocity_internal, "jerk": jerk, "bow": bow, "load": load, "load_per_velocity": load_per_velocity, "inertia": inertia, "corner_speed": corner_speed, "margin": margin}))
 
     def axis_home(
@@ -2749,8 +2749,8 @@ class AsyncMethods:
         corner_speed: float | None = None,
         margin: float | None = None,
     ) -> RampFind:
-        """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a motor
-        can drive; writes nothing."""
+        """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a
+        motor can drive; writes nothing."""
         return RampFind.of(await self._call("ramp.find", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "time_s": time_s, "velocity": velocity, "velocity_internal": velocity_internal, "jerk": jerk, "bow": bow, "load": load, "load_per_velocity": load_per_velocity, "inertia": inertia, "corner_speed": corner_speed, "margin": margin}))
 
     async def axis_home(
