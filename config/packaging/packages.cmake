@@ -80,7 +80,7 @@ tmcl_package(dev libtmcl-dev libdevel "library to move motors on TMCL modules (d
   "Headers, examples and what CMake and pkg-config want to know to build
 programs with libtmcl."
   DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost${boost}-dev libboost-json${boost}-dev libexpected-dev libfmt-dev libusb-1.0-0-dev
-  pkg-config)
+  pkgconf)
 
 tmcl_package(python python3-tmcl python "motors on TMCL modules, through tmcld, from Python"
   "Axes by name and in their units, over the socket of tmcld or over HTTPS;
