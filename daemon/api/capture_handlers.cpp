@@ -95,8 +95,8 @@ tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureRequest re
 
 /// A journey needs its bus; what a module records does not run away.
 std::optional<tmcl::Error> objection_by_journey(const GatewayBus& bus) {
-  for (const auto by : {ClaimKind::path, ClaimKind::line, ClaimKind::mint, ClaimKind::deadman_test,
-                        ClaimKind::verification}) {
+  for (const auto by : {ClaimKind::path, ClaimKind::line, ClaimKind::mint, ClaimKind::jog,
+                        ClaimKind::deadman_test, ClaimKind::verification}) {
     if (bus.motors().claimed_by(by) == 0) continue;
     auto error =
         tmcl::not_sent(tmcl::Errc::axis_claimed,

@@ -40,6 +40,7 @@ Answer<axis::List> list_axes(Call& call, const axis::List& params);
 Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params);
 Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params);
 Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params);
+Answer<axis::Jog> jog(Call& call, const axis::Jog& params);
 Answer<axis::Stop> stop(Call& call, const axis::Stop& params);
 Answer<axis::Wait> wait(Call& call, const axis::Wait& params);
 Answer<axis::GetState> get_state(Call& call, const axis::GetState& params);

@@ -52,6 +52,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::move_to>(operate),
     method<handlers::move_by>(operate),
     method<handlers::rotate>(operate),
+    method<handlers::jog>(operate),
     method<handlers::stop>(stop),
     method<handlers::wait>(observe),
     method<handlers::acquire_lease>(operate),

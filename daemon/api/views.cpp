@@ -223,7 +223,7 @@ api::Event view_of(const GatewayEvent& event) {
       event.kind == GatewayEvent::Kind::owner_lost ||
       event.kind == GatewayEvent::Kind::line_broken ||
       event.kind == GatewayEvent::Kind::path_broken ||
-      event.kind == GatewayEvent::Kind::mint_broken)
+      event.kind == GatewayEvent::Kind::mint_broken || event.kind == GatewayEvent::Kind::jog_broken)
     out.motors = motors_in(static_cast<std::uint32_t>(event.value));
   out.cause = if_any(event.cause);
   out.reason = if_any(event.reason);

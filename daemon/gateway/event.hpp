@@ -28,6 +28,7 @@ struct GatewayEvent {
     line_broken,     ///< Axes that moved together were stopped, because one did not go as planned.
     path_broken,     ///< The same of axes on a path; also when it was asked for.
     mint_broken,     ///< The same of axes that a Mint program moves.
+    jog_broken,      ///< The same of an axis that is jogged.
     lease_lost,      ///< A client has lost the right to move an axis alone.
     owner_lost,      ///< The client has gone for which an axis turned, and it is stopped.
     journal_failed,  ///< What would have to be put in order if the daemon is killed is not kept.
@@ -49,7 +50,7 @@ struct GatewayEvent {
   std::string reason{};      ///< lease_lost: expired, closed or broken; settings_drift: report,
                              ///< restored or not_restored.
   std::string_view cause{};  ///< axis_stopped: the name of a StopCause.
-  /// line_broken, path_broken, mint_broken: of the axis.
+  /// line_broken, path_broken, mint_broken, jog_broken: of the axis.
   std::vector<UnrestoredSetting> unrestored{};
 };
 

@@ -166,6 +166,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case ClaimKind::line: return "line";
     case ClaimKind::path: return "path";
     case ClaimKind::mint: return "mint";
+    case ClaimKind::jog: return "jog";
     case ClaimKind::deadman_test: return "deadman test";
     case ClaimKind::verification: return "verification";
     case ClaimKind::stop: return "stop";

@@ -45,6 +45,7 @@ const std::vector<std::string> lines{
     "state 1/0",
     "watch 1/0 --for 0.2",
     "top",
+    "jog 1/0",
     "recover 1/0",
     "errors 1/0",
     "capture 1/0 --channel actual_position",

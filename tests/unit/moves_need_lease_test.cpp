@@ -40,7 +40,8 @@ bool is_journey(const MovingExample& example) {
 
 TEST_F(MovesNeedLease, AreRefusedWithoutOne) {
   for (const auto& example : moving_examples()) {
-    if (is_journey(example)) continue;
+    // A jog has taken one.
+    if (is_journey(example) || example.method() == "axis.jog") continue;
     EXPECT_EQ(error_name(*client, example), "not_permitted") << testing::PrintToString(example);
   }
   const auto answer = client->call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}});

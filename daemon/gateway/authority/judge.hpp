@@ -36,6 +36,7 @@ enum class ClaimKind : std::uint8_t {
   line,
   path,
   mint,
+  jog,
   search,
   deadman_test,
   verification,

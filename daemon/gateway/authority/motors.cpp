@@ -41,6 +41,7 @@ std::string_view words_for(ClaimKind by) {
     case ClaimKind::line: return "is on its way along a line";
     case ClaimKind::path: return "is on its way along a path";
     case ClaimKind::mint: return "is moved by a Mint program";
+    case ClaimKind::jog: return "is jogged";
     case ClaimKind::search: return "searches its reference";
     case ClaimKind::deadman_test: return "moves to test the deadman of its module";
     case ClaimKind::verification: return "moves so that its module can be verified";

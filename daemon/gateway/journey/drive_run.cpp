@@ -229,6 +229,7 @@ awaitable<tmcl::Result<std::int32_t>> DriveRun::carry_out(DriveCommand command) 
       co_return answer_of(std::move(turned));
     }
     case DriveCommand::Kind::move_to: {
+      aim(member, {command.value});
       auto script = tmcl::verbs::move_to(address, tmcl::Microsteps{command.value});
       auto moved = co_await member.axis->perform(std::move(script), std::move(movement));
       co_return answer_of(std::move(moved));

@@ -47,6 +47,8 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   void release(const tmcl::plan::DriveReport* report);
   tmcl::TimePoint now() const { return clock_.now(); }
 
+  /// It is about to be sent there.
+  virtual void aim(const DriveMember& /*member*/, tmcl::Microsteps /*target*/) const {}
   /// Nothing more is commanded once its axes are on their way.
   virtual bool runs_by_itself() const { return false; }
   /// Called before each step; the next time at the latest then.

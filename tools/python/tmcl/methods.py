@@ -24,6 +24,7 @@ EFFECTS: Mapping[str, str] = {
     "axis.move_to": "moves",
     "axis.move_by": "moves",
     "axis.rotate": "moves",
+    "axis.jog": "moves",
     "axis.stop": "stops",
     "axis.wait": "reads",
     "lease.acquire": "writes",
@@ -427,6 +428,20 @@ class Turning(Record):
     #: speed in the unit per second
     velocity: float | None = None
     #: such as that it is faster than max_velocity, which holds for positions
+    warnings: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Jogging(Record):
+    #: where it comes to rest without a further call
+    target_microsteps: int = 0
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: the same in the unit
+    target: float | None = None
+    #: when it begins to brake without a further call, by CLOCK_MONOTONIC of tmcld's computer
+    until_ms: int = 0
+    #: such as that the journal cannot be written
     warnings: tuple[str, ...] | None = None
 
 
@@ -1575,6 +1590,17 @@ class Methods:
         """`axis.rotate` turns without end."""
         return Turning.of(self._call("axis.rotate", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "unattended": unattended, "deadline_ms": deadline_ms}))
 
+    def axis_jog(
+        self,
+        axis: str,
+        hold_ms: int,
+        *,
+        velocity_internal: int | None = None,
+        velocity: float | str | None = None,
+    ) -> Jogging:
+        """`axis.jog` goes one way for as long as it is called again; needs a lease."""
+        return Jogging.of(self._call("axis.jog", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "hold_ms": hold_ms}))
+
     def axis_stop(self, axis: str) -> None:
         """`axis.stop` ramps down to standstill; goes out before everything else."""
         self._call("axis.stop", {"axis": axis})
@@ -2494,6 +2520,17 @@ class AsyncMethods:
     ) -> Turning:
         """`axis.rotate` turns without end."""
         return Turning.of(await self._call("axis.rotate", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "unattended": unattended, "deadline_ms": deadline_ms}))
+
+    async def axis_jog(
+        self,
+        axis: str,
+        hold_ms: int,
+        *,
+        velocity_internal: int | None = None,
+        velocity: float | str | None = None,
+    ) -> Jogging:
+        """`axis.jog` goes one way for as long as it is called again; needs a lease."""
+        return Jogging.of(await self._call("axis.jog", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "hold_ms": hold_ms}))
 
     async def axis_stop(self, axis: str) -> None:
         """`axis.stop` ramps down to standstill; goes out before everything else."""

@@ -86,6 +86,11 @@ struct Rotate {
   bool unattended = false;
   bool internal = false;
 };
+struct Jog {
+  std::vector<std::string> axes;
+  std::string velocity;  ///< Empty: a part of max_velocity.
+  bool internal = false;
+};
 struct Stop {
   std::string axis;
   bool all = false;

@@ -42,6 +42,9 @@ Result<std::unique_ptr<FullScreen>> FullScreen::open(const Screen& out) {
   ::curs_set(0);
   ::keypad(stdscr, TRUE);
   ::nodelay(stdscr, TRUE);
+  // What may be the beginning of an arrow; alone it is a key as well.
+  constexpr int time_for_escape_ms = 50;
+  ::set_escdelay(time_for_escape_ms);
   return std::unique_ptr<FullScreen>(new FullScreen(std::make_unique<Terminal>(Terminal{screen})));
 }
 
@@ -61,9 +64,22 @@ void FullScreen::show(const std::vector<std::string>& lines) {
   ::refresh();
 }
 
-char FullScreen::take_key() {
-  const int key = ::getch();  // also takes note of a new size
-  return key > 0 && key <= std::numeric_limits<char>::max() ? static_cast<char>(key) : '\0';
+std::optional<Key> FullScreen::take_key() {
+  const int key = ::getch();
+  switch (key) {
+    case ERR: return std::nullopt;
+    // It takes note of a new size.
+    case KEY_RESIZE: return take_key();
+    case KEY_LEFT: return Key{Key::Kind::left};
+    case KEY_RIGHT: return Key{Key::Kind::right};
+    case KEY_UP: return Key{Key::Kind::up};
+    case KEY_DOWN: return Key{Key::Kind::down};
+    case KEY_PPAGE: return Key{Key::Kind::page_up};
+    case KEY_NPAGE: return Key{Key::Kind::page_down};
+    default: break;
+  }
+  const bool is_letter = key > 0 && key <= std::numeric_limits<char>::max();
+  return is_letter ? Key{Key::Kind::letter, static_cast<char>(key)} : Key{};
 }
 
 }  // namespace tmclctl

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "errors.hpp"
+#include "key.hpp"
 #include "screen.hpp"
 
 namespace tmclctl {
@@ -24,8 +26,8 @@ class FullScreen {
   int width() const;  ///< In columns, as it is now.
   /// Lines that do not fit are left out, and so is what does not fit of a line.
   void show(const std::vector<std::string>& lines);
-  /// The next key that was pressed; 0 if none was.
-  char take_key();
+  /// The next key that was pressed; nothing if none was.
+  std::optional<Key> take_key();
 
  private:
   struct Terminal;

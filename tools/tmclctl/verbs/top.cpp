@@ -48,8 +48,8 @@ class Top {
   }
 
   bool go_on() {
-    for (char key = screen_.take_key(); key != 0; key = screen_.take_key()) {
-      if (key == 'q') wanted_ = false;
+    for (auto key = screen_.take_key(); key; key = screen_.take_key()) {
+      if (key->letter == 'q') wanted_ = false;
     }
     const auto now = context_.host.now();
     if (away_.empty() && now - listed_at_ >= list_interval) {

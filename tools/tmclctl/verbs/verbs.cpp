@@ -11,6 +11,7 @@ void add_verbs(Grammar& grammar) {
   add_move(grammar);
   add_line(grammar);
   add_rotate(grammar);
+  add_jog(grammar);
   add_stop(grammar);
   add_leases(grammar);
   add_state(grammar);

@@ -25,6 +25,7 @@ void add_parameters(Grammar& grammar);
 void add_move(Grammar& grammar);
 void add_line(Grammar& grammar);
 void add_rotate(Grammar& grammar);
+void add_jog(Grammar& grammar);
 void add_stop(Grammar& grammar);
 void add_leases(Grammar& grammar);
 void add_state(Grammar& grammar);

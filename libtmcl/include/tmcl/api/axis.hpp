@@ -105,6 +105,32 @@ struct Rotate {
   TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, deadline_summary, milliseconds);
 };
 
+constexpr std::int64_t shortest_hold_ms = 100;
+constexpr std::int64_t longest_hold_ms = 1'000;
+
+struct Jogging {
+  TMCL_STRUCT(Jogging);
+  TMCL_FIELD(std::int32_t, target_microsteps, "where it comes to rest without a further call");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::optional<double>, target, "the same in the unit");
+  TMCL_FIELD(std::int64_t, until_ms,
+             "when it begins to brake without a further call, by CLOCK_MONOTONIC of tmcld's "
+             "computer");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
+             "such as that the journal cannot be written");
+};
+struct Jog {
+  TMCL_METHOD("axis.jog", moves, Jogging,
+              "goes one way for as long as it is called again; needs a lease", Jog);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::int32_t>, velocity_internal,
+             "speed in the module's own unit; the sign is the direction, and 0 ends it");
+  TMCL_FIELD(std::optional<Amount>, velocity,
+             "the same, instead; a number: in the axis' unit per second");
+  TMCL_FIELD(std::int64_t, hold_ms, "for how long it goes on without a further call",
+             {shortest_hold_ms, longest_hold_ms});
+};
+
 struct Stop {
   TMCL_METHOD("axis.stop", stops, Nothing,
               "ramps down to standstill; goes out before everything else", Stop);

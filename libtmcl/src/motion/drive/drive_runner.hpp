@@ -71,6 +71,8 @@ class DriveRunner {
   /// Leaves the answer in answer_, and the times in asked_at_ and now_.
   Awaiter command(DriveCommand command);
   Awaiter until(TimePoint time);
+  /// The wait that is under way is over at the next step.
+  void end_wait() { until_ = {}; }
   /// Each lane one command after the other, all lanes side by side. Leaves in done_ what came of
   /// those that were given. `all_or_none`: after a failure, or when it is to stop, nothing more is
   /// begun.
@@ -108,6 +110,12 @@ class DriveRunner {
     std::size_t axis;
     Microsteps target;
   };
+  /// Whose arrival is watched; nothing once it has arrived.
+  struct Watched {
+    Goal goal;
+    std::optional<Arrival> arrival;
+  };
+  Script<Fault> look(Watched& watched, TimePoint limit);
   /// Until all of them stand at their targets. `begin`: when they were started; `limit`: when they
   /// should have arrived.
   Script<Fault> arrive(std::vector<Goal> goals, TimePoint begin, TimePoint limit);
@@ -124,12 +132,6 @@ class DriveRunner {
  private:
   void proceed(const std::optional<Step>& step);
   void send_next(std::size_t lane);
-  /// Whose arrival is watched; nothing once it has arrived.
-  struct Watched {
-    Goal goal;
-    std::optional<Arrival> arrival;
-  };
-  Script<Fault> look(Watched& watched, TimePoint limit);
   Fault short_of(const Goal& goal, Microsteps position) const;
   bool has_other_reason() const { return stop_asked_ && !stopping_; }
 

@@ -1,0 +1,202 @@
+#include "gateway/journey/jog.hpp"
+
+#include <exception>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/this_coro.hpp>
+
+#include "async/spawn.hpp"
+#include "async/wake.hpp"
+#include "gateway/axis/axis_range.hpp"
+#include "gateway/journey/awaited_run.hpp"
+#include "tmcl/drive_report.hpp"
+#include "tmcl/plan/ramp_limits.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using tmcl::plan::DriveFault;
+using tmcl::plan::JogAxis;
+using tmcl::plan::JogWish;
+
+tmcl::Error cannot_be_foreseen(const GatewayAxis& axis) {
+  return tmcl::bad_argument(
+      "how far axis '" + axis.name() + "' goes until it stands cannot be foreseen",
+      "its module does not tell what it counts in");
+}
+
+GatewayAxis::Awaitable<std::vector<tmcl::plan::Setting>> read_limits(GatewayAxis& axis,
+                                                                     const tmcl::Model& model) {
+  std::vector<tmcl::plan::Setting> settings;
+  for (const auto parameter : tmcl::plan::ramp_limit_parameters(model)) {
+    const auto value = co_await axis.get(parameter, {});
+    if (!value) co_return tl::unexpected(value.error());
+    settings.push_back({parameter, *value});
+  }
+  co_return settings;
+}
+
+GatewayAxis::Awaitable<JogAxis> look_at(GatewayAxis& axis, RunOptions options) {
+  const auto units = co_await axis.module_units();
+  if (!units) co_return tl::unexpected(units.error());
+  const auto scale = co_await axis.scale();
+  if (!scale) co_return tl::unexpected(scale.error());
+  JogAxis known;
+  known.model = axis.module().model();
+  const bool needs_scale = axis.soft_limits() && !axis.unit().empty();
+  if (known.model == nullptr || !*units || (needs_scale && !*scale))
+    co_return tl::unexpected(cannot_be_foreseen(axis));
+  known.units = **units;
+  known.range = range_of(axis, scale->value_or(tmcl::microsteps_scale()));
+  auto twin = co_await axis.twin(std::move(options));
+  if (!twin) co_return tl::unexpected(twin.error());
+  known.twin = std::move(*twin);
+  if (known.twin) {
+    known.ramp = axis.ramp_settings();
+    co_return known;
+  }
+  auto limits = co_await read_limits(axis, *known.model);
+  if (!limits) co_return tl::unexpected(limits.error());
+  known.ramp = std::move(*limits);
+  co_return known;
+}
+
+class JogRun final : public AwaitedRun {
+ public:
+  JogRun(const boost::asio::any_io_executor& executor, DriveMember member)
+      : AwaitedRun(executor, {std::move(member)}, ClaimKind::jog, GatewayEvent::Kind::jog_broken),
+        executor_(executor) {}
+
+  std::uint64_t client() const { return members_.front().movement.permit.client; }
+
+  /// See tmcl::plan::JogDrive.
+  tmcl::Result<std::optional<std::uint64_t>> wish(JogWish wish) {
+    auto number = drive_.wish(wish);
+    woken_.notify();
+    return number;
+  }
+
+  /// What has come of a wish.
+  static awaitable<tmcl::Result<StartedJog>> outcome(std::shared_ptr<JogRun> self,
+                                                     std::uint64_t wish) {
+    const auto wake = std::make_shared<Wake>(self->executor_);
+    while (!self->is_over_ && self->drive_.done() < wish) {
+      self->waiting_.push_back(wake);
+      co_await wake->wait();
+    }
+    if (self->drive_.done() >= wish)
+      co_return StartedJog{self->drive_.goal(), self->journal_failure()};
+    co_return tl::unexpected(self->failure_of_jog());
+  }
+
+  static awaitable<void> run(std::shared_ptr<JogRun> self) {
+    std::exception_ptr thrown;
+    try {
+      self->refusal_ = co_await pass(self);
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    self->is_over_ = true;
+    self->tell();
+    if (thrown) std::rethrow_exception(thrown);
+  }
+
+  const tmcl::plan::DriveReport& report() const override { return drive_.report(); }
+
+ private:
+  tmcl::plan::Drive& what_drives() override { return drive_; }
+  void tell_progress() override {}
+
+  awaitable<tmcl::TimePoint> before_step() override {
+    if (!std::exchange(has_looked_, true)) {
+      auto known = co_await look_at(*members_.front().axis, members_.front().movement);
+      if (known) {
+        drive_.know(std::move(*known));
+      } else {
+        drive_.stop({DriveFault::Kind::unsuited, 0, {}, std::move(known.error()), {}});
+      }
+    }
+    tell();
+    co_return tmcl::TimePoint::max();
+  }
+
+  void aim(const DriveMember& member, tmcl::Microsteps target) const override {
+    member.admitted->aim_at({target});
+  }
+
+  void tell() {
+    for (const auto& wake : std::exchange(waiting_, {})) wake->notify();
+  }
+
+  tmcl::Error failure_of_jog() const {
+    if (refusal_) return *refusal_;
+    const auto& axis = *members_.front().axis;
+    const auto& fault = report().fault;
+    if (fault && fault->error) return *fault->error;
+    auto error =
+        tmcl::not_sent(tmcl::Errc::move_interrupted,
+                       fault ? text_of(*fault) : "the jog of axis '" + axis.name() + "' has ended");
+    error.outcome = tmcl::Outcome::done;
+    error.bus = axis.bus().name();
+    return error;
+  }
+
+  boost::asio::any_io_executor executor_;
+  tmcl::plan::JogDrive drive_;
+  std::vector<std::shared_ptr<Wake>> waiting_;
+  std::optional<tmcl::Error> refusal_;  // before it had begun
+  bool has_looked_ = false;
+  bool is_over_ = false;
+};
+
+/// The gateway leads an axis that is jogged, but only for a client that might move it itself.
+std::optional<tmcl::Error> objection_to(const GatewayAxis& axis, const Permit& permit) {
+  auto& motors = axis.bus().motors();
+  if (auto objection = motors.objection(axis.address(), permit, axis.bus().clock().now()))
+    return objection;
+  const auto holder = axis.holder();
+  if (holder.lease != 0 && holder.client == permit.client) return std::nullopt;
+  return tmcl::not_sent(tmcl::Errc::not_permitted,
+                        "axis '" + axis.name() + "' is jogged only under a lease",
+                        "lease.acquire gives one; 'tmclctl jog " + axis.name() + "' has its own");
+}
+
+awaitable<tmcl::Result<StartedJog>> stand_there(const JogOrder& order) {
+  auto here = co_await order.axis->get(tmcl::axis_parameter::actual_position, {});
+  if (!here) co_return tl::unexpected(std::move(here.error()));
+  co_return StartedJog{{{*here}, order.axis->bus().clock().now()}};
+}
+
+}  // namespace
+
+awaitable<tmcl::Result<StartedJog>> jog(JogOrder order) {
+  const auto& axis = order.axis;
+  auto& permit = order.movement.permit;
+  permit.ends_with_client = true;
+  if (!std::dynamic_pointer_cast<JogRun>(axis->journey())) {
+    // Who else moves it is told first, whoever has a lease.
+    permit.needs_lease = false;
+    auto free = co_await axis->be_free(order.movement);
+    if (!free) co_return tl::unexpected(std::move(free.error()));
+  }
+  permit.needs_lease = true;
+  if (auto objection = objection_to(*axis, permit)) co_return tl::unexpected(*objection);
+  if (const auto run = std::dynamic_pointer_cast<JogRun>(axis->journey())) {
+    if (run->client() != permit.client) co_return tl::unexpected(axis->claimed());
+    const auto number = run->wish(order.wish);
+    if (!number) co_return tl::unexpected(error_of(*axis, number.error()));
+    // One that ends takes none: another one begins.
+    if (*number) co_return co_await JogRun::outcome(run, **number);
+  }
+  if (order.wish.velocity.value == 0) co_return co_await stand_there(order);
+  const auto executor = co_await boost::asio::this_coro::executor;
+  const auto run = std::make_shared<JogRun>(executor, DriveMember{axis, order.movement});
+  const auto number = run->wish(order.wish);
+  if (!number) co_return tl::unexpected(error_of(*axis, number.error()));
+  spawn(executor, JogRun::run(run));
+  co_return co_await JogRun::outcome(run, number->value());
+}
+
+}  // namespace tmcld

@@ -1,0 +1,24 @@
+/// A key of a terminal.
+#pragma once
+
+#include <cstdint>
+
+namespace tmclctl {
+
+struct Key {
+  enum class Kind : std::uint8_t {
+    letter,  ///< What has a character: digits, a space and Tab, too.
+    left,
+    right,
+    up,
+    down,
+    page_up,
+    page_down,
+    other,
+  };
+  Kind kind = Kind::other;
+  char letter = '\0';  ///< Of a letter.
+  bool operator==(const Key&) const = default;
+};
+
+}  // namespace tmclctl
