@@ -110,7 +110,7 @@ class Sweep {
     EXPECT_TRUE(bench_->run_until([&] { return !bench_->moves(); }, 10s));
   }
 
-  /// A movement that goes on behind its answer may end the daemon, too, when it has stopped its axes.
+  /// A movement that goes on behind its answer may end the daemon, too, once its axes stand.
   void expect_service() {
     MemoryClient other(*bench_);
     const auto expect_done = [&](std::string_view method, std::string_view params) {
