@@ -80,12 +80,28 @@ void look_at_link(const GatewayBus& bus, Notes notes) {
                      : fmt::format("it is {}: {}", name_of(bus.state()), bus.error()));
 }
 
-/// Since `before`: a scan of all addresses had its time-outs, too.
-void look_at_traffic(const GatewayBus& bus, const tmcl::BusCounters& before, Notes notes) {
+struct Asked {
+  std::uint64_t requests = 0;
+  std::uint64_t lost = 0;  ///< Of these.
+};
+
+Asked asked_since(const GatewayBus& bus, const tmcl::BusCounters& before) {
   const auto now = bus.counters();
-  const auto lost = now.timeouts - before.timeouts;
-  notes.note(Check::replies, lost > 0,
-             fmt::format("{} of {} were not, just now", lost, now.requests - before.requests));
+  return {now.requests - before.requests, now.timeouts - before.timeouts};
+}
+
+/// Since `before`: a scan of all addresses had its time-outs, too. A module that does not answer at
+/// all is a finding of its own, and says nothing of the line.
+void look_at_traffic(const GatewayBus& bus, const tmcl::BusCounters& before, const Asked& in_vain,
+                     Notes notes) {
+  const auto now = bus.counters();
+  const auto all = asked_since(bus, before);
+  const Asked heard{all.requests - in_vain.requests, all.lost - in_vain.lost};
+  notes.note(Check::replies, heard.lost > 0,
+             heard.requests == 0 ? "no module that answers was asked"
+                                 : fmt::format("{} of {} requests to modules that answer were not, "
+                                               "just now",
+                                               heard.lost, heard.requests));
   const auto garbage = now.garbage_bytes - before.garbage_bytes;
   notes.note(Check::noise, garbage > 0,
              garbage > 0 ? fmt::format("{} came just now", garbage)
@@ -175,7 +191,7 @@ bool is_of_supply(std::string_view fault) {
 }
 bool is_of_temperature(std::string_view fault) { return fault.starts_with("overtemperature"); }
 
-void look_at_driver(const FaultReport& report, Notes& notes) {
+void look_at_driver(const FaultReport& report, const Faults& unproven, Notes& notes) {
   Faults supply;
   Faults temperature;
   Faults driver;
@@ -195,7 +211,10 @@ void look_at_driver(const FaultReport& report, Notes& notes) {
           ? fmt::format("{} at {:.0f} deg C", words_for(temperature), *report.temperature_celsius)
           : words_for(temperature));
   notes.note(Check::driver, !driver.empty(),
-             driver.empty() ? "it reports nothing" : words_for(driver));
+             !driver.empty() ? words_for(driver)
+             : !unproven.empty()
+                 ? "perhaps " + words_for(unproven) + ": it counts while it turns slowly"
+                 : "it reports nothing");
 }
 
 void look_at_switches(const FaultReport& report, Notes& notes) {
@@ -242,6 +261,15 @@ void look_at_right_to_move(const GatewayAxis& axis, Notes& notes) {
                                              unrestored.front().parameter));
 }
 
+/// Nothing is known of a stop from before this gateway began but what the module says.
+awaitable<std::optional<StopCause>> cause_of_stop(GatewayAxis& axis, std::uint64_t client) {
+  if (const auto known = axis.stop_cause()) co_return known;
+  const auto found =
+      co_await ask(axis.bus(), find_stop_cause(axis.address(), axis.parameters()), client);
+  const bool says_why = found && *found != StopCause::unknown && *found != StopCause::velocity_mode;
+  co_return says_why ? found : std::nullopt;
+}
+
 awaitable<void> look_at_place(GatewayAxis& axis, std::uint64_t client, Notes& notes) {
   const auto reading = co_await axis.read_state({}, client);
   if (!reading) co_return;
@@ -252,10 +280,11 @@ awaitable<void> look_at_place(GatewayAxis& axis, std::uint64_t client, Notes& no
     if (beyond && beyond->unit.empty()) beyond->unit = "microsteps";
     notes.note(Check::limits, beyond.has_value(), beyond ? describe(*beyond) : "it is within them");
   }
-  const auto cause = axis.stop_cause();
-  const bool stopped = state.velocity.value == 0 && !state.position_reached && cause.has_value();
-  notes.note(Check::stop, stopped,
-             stopped                     ? fmt::format("it was stopped by: {}", name_of(*cause))
+  std::optional<StopCause> cause;
+  if (state.velocity.value == 0 && !state.position_reached)
+    cause = co_await cause_of_stop(axis, client);
+  notes.note(Check::stop, cause.has_value(),
+             cause                       ? fmt::format("it was stopped by: {}", name_of(*cause))
              : state.velocity.value != 0 ? "it moves"
                                          : "it stands");
 }
@@ -268,7 +297,7 @@ awaitable<void> look_at_axis(GatewayAxis& axis, std::uint64_t client, Notes note
     co_return;
   }
   const auto report = co_await axis.read_faults(client);
-  if (report) look_at_driver(*report, notes);
+  if (report) look_at_driver(*report, axis.unproven_faults(), notes);
   co_await look_at_value(axis, Check::current, "max_current", client, notes);
   co_await look_at_value(axis, Check::velocity, "max_velocity", client, notes);
   co_await look_at_value(axis, Check::acceleration, "max_acceleration", client, notes);
@@ -289,21 +318,28 @@ awaitable<Findings> examine(std::shared_ptr<Gateway> gateway, Examined what) {
     look_at_link(*bus, {findings, bus->name()});
     if (bus->state() != GatewayBus::State::open) continue;
     const auto before = bus->counters();
+    Asked in_vain;
     std::vector<tmcl::ModuleAddress> addresses;
     for (const auto& axis : what.axes)
       if (&axis->bus() == bus.get() && std::ranges::count(addresses, axis->address().module) == 0)
         addresses.push_back(axis->address().module);
     for (const auto address : addresses) {
       auto name = fmt::format("{}:{}", bus->name(), number(address));
+      const auto before_it = bus->counters();
       const bool answers = co_await look_at_module(*bus, bus->add_module(address), what.client,
                                                    {findings, std::move(name)});
-      if (!answers) continue;
+      if (!answers) {
+        const auto asked = asked_since(*bus, before_it);
+        in_vain.requests += asked.requests;
+        in_vain.lost += asked.lost;
+        continue;
+      }
       co_await probe(*bus, address, most_probes / addresses.size(), what.client);
       for (const auto& axis : what.axes)
         if (&axis->bus() == bus.get() && axis->address().module == address)
           co_await look_at_axis(*axis, what.client, {findings, axis->name()});
     }
-    look_at_traffic(*bus, before, {findings, bus->name()});
+    look_at_traffic(*bus, before, in_vain, {findings, bus->name()});
   }
   std::ranges::stable_sort(findings, {}, &tmcl::Finding::check);
   co_return findings;

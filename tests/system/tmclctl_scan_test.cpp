@@ -114,6 +114,14 @@ TEST_F(TmclctlScan, BusesTellWhatThisProcessSaw) {
   EXPECT_GT(buses.at(0).at("counters").at("requests").as_int64(), 0);
 }
 
+TEST_F(TmclctlScan, ADoctorSaysThatNoModuleAnswers) {
+  const FarEnd far_end([](const Bytes& came) { return came; });
+  const auto ran = ctl(far_end.direct(), {"doctor"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_THAT(ran.out, HasSubstr("no module answered: "));
+  EXPECT_THAT(ran.out, HasSubstr("the line echoes"));
+}
+
 TEST_F(TmclctlScan, TmcldKeepsItsBaudRate) {
   const auto ran = ctl(through_daemon(), {"scan", "--bauds"});
   EXPECT_EQ(ran.status, 2);

@@ -77,7 +77,9 @@ TEST(Doctor, FindsAModuleThatHasNoSupply) {
   JourneyBench bench;
   bench.wire.bench().modules().front()->power_off();
   bench.call("axis.get_state", {{"axis", "x"}});
-  EXPECT_THAT(names_in(bench), testing::Contains("module of line:1"));
+  const auto names = names_in(bench);
+  EXPECT_THAT(names, testing::Contains("module of line:1"));
+  EXPECT_THAT(names, testing::Not(testing::Contains("replies of line"))) << "the line is well";
   EXPECT_THAT(names_in(bench, {{"axis", "far"}}), IsEmpty());
 }
 
@@ -165,6 +167,18 @@ TEST(Doctor, FindsWhyAnAxisWasStopped) {
   ASSERT_EQ(wrong.size(), 1U);
   EXPECT_EQ(wrong.front().check, "stop");
   EXPECT_THAT(wrong.front().text, HasSubstr("client"));
+}
+
+/// Another host has sent it there: nothing but its switch tells.
+TEST(Doctor, FindsTheSwitchThatStoppedAnAxisForAnother) {
+  JourneyBench bench;
+  auto& module = *bench.wire.bench().modules().front();
+  bench.wire.inject({tmcl::ModuleAddress{1}, tmcl::Command::MVP, 0, 0, 100'000});
+  bench.time.run_for(500ms);
+  module.at_stage(
+      0, [](tmcl::sim::Stage& stage) { stage.press(tmcl::sim::StageSwitch::right, true); });
+  bench.time.run_for(2s);
+  EXPECT_THAT(names_in(bench, {{"axis", "x"}}), ElementsAre("stop of x"));
 }
 
 TEST(Doctor, FindsAMotorThatTheModuleDoesNotHave) {

@@ -113,11 +113,24 @@ Result<void> examine(const api::doctor::Examine& method, Findings& findings, Con
       [&](const api::doctor::Findings& found) { add(findings, found.findings); });
 }
 
+/// What the line brought instead, when a scan has found no module.
+Result<void> add_silence(Findings& findings, Context& context) {
+  return context.call(api::bus::List{}).map([&](const api::bus::Buses& listed) {
+    for (const auto& bus : listed.buses) {
+      const auto came = bus.heard ? ": " + bus.heard->meaning : "";
+      auto finding = view_of({tmcl::Check::replies, bus.name, true, "no module answered" + came});
+      if (bus.heard && bus.heard->hint) finding.cure = bus.heard->hint;
+      findings.push_back(std::move(finding));
+    }
+  });
+}
+
 /// Without a configuration nothing is known of axes but what a scan finds.
 Result<void> examine_found_axes(Findings& findings, Context& context) {
   const auto axes = axes_of(context);
   if (!axes) return tl::unexpected(axes.error());
-  if (axes->empty()) return examine({}, findings, context);
+  if (axes->empty())
+    return add_silence(findings, context).and_then([&] { return examine({}, findings, context); });
   for (const auto& axis : *axes) {
     api::doctor::Examine method;
     method.axis = axis.name;
