@@ -434,6 +434,11 @@ TEST_F(CtlRamp, SeeksOnlyWhatIsSaid) {
   EXPECT_THAT(refusal({"ramp", "x", "--time", "1s"}), HasSubstr("need --distance"));
   EXPECT_THAT(refusal({"ramp", "x", "--time", "1s", "--fastest", "--distance", "1mm"}),
               HasSubstr("exclude each other"));
+  EXPECT_THAT(refusal({"ramp", "x", "--fastest", "--distance", "1mm"}),
+              HasSubstr("--fastest needs --load, --friction or --inertia"));
+  EXPECT_THAT(
+      refusal({"ramp", "x", "--fastest", "--distance", "1mm", "--load", "5", "--margin", "30"}),
+      HasSubstr("30 is a part above 1: give 30%, or a part"));
   EXPECT_THAT(refusal({"ramp", "x", "--time", "1mm", "--distance", "1mm"}),
               HasSubstr("'1mm' is no time in s or ms"));
   EXPECT_THAT(refusal({"ramp", "x", "--time", "0s", "--distance", "1mm"}), HasSubstr("not within"));

@@ -542,13 +542,21 @@ Reading read_time(const std::string& text, std::optional<double>& seconds) {
   return tl::unexpected(fmt::format("{} is not within {} s and {} s", text, least_s, greatest_s));
 }
 
-/// 30%, or 0.3.
+/// 30%, or 0.3. A 30 alone is hardly meant as 3000%.
 Reading read_margin(std::string text, double& margin) {
-  constexpr double greatest = 100;
+  constexpr double greatest_percent = 10'000;
   const bool in_percent = text.ends_with('%');
   if (in_percent) text.pop_back();
-  return parse_number<double>(text, 0, in_percent ? 100 * greatest : greatest)
-      .map([&](double value) { margin = in_percent ? value / 100 : value; });
+  const auto value = parse_number<double>(text, 0, greatest_percent);
+  if (!value) return tl::unexpected(value.error());
+  if (!in_percent && *value > 1)
+    return tl::unexpected(fmt::format("{0} is a part above 1: give {0}%, or a part", text));
+  margin = in_percent ? *value / 100 : *value;
+  return {};
+}
+
+bool asks_for_torque(const plan::MotorTorque& motor) {
+  return motor.load > 0 || motor.load_per_velocity > 0 || motor.inertia > 0;
 }
 
 std::string conflict_of_search(const verb::Ramp& said) {
@@ -561,6 +569,9 @@ std::string conflict_of_search(const verb::Ramp& said) {
   }
   if (said.compare) return "--compare and --time or --fastest exclude each other";
   if (said.distance.empty()) return "--time and --fastest need --distance";
+  if (said.fastest && !asks_for_torque(said.torque))
+    return "--fastest needs --load, --friction or --inertia: without a load only the chip bounds "
+           "it";
   if (!said.acceleration.empty() || !said.deceleration.empty())
     return "--time and --fastest find the acceleration";
   return said.store ? "--store needs an axis that is set" : "";
