@@ -176,7 +176,7 @@ awaitable<tmcl::Result<StartedJog>> jog(JogOrder order) {
   auto& permit = order.movement.permit;
   permit.ends_with_client = true;
   if (!std::dynamic_pointer_cast<JogRun>(axis->journey())) {
-    // Who else moves it is told first, whoever has a lease.
+    // That another call moves it is reported first, with or without a lease.
     permit.needs_lease = false;
     auto free = co_await axis->be_free(order.movement);
     if (!free) co_return tl::unexpected(std::move(free.error()));
