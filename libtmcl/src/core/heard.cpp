@@ -161,7 +161,9 @@ std::string meaning_of(const HeardVerdict& heard) {
     case HeardKind::text: return fmt::format("text came, as of a console: \"{}\"", heard.text);
     case HeardKind::other_baud_rate:
       return fmt::format(
-          "{} bytes without a meaning came after questions: a module speaks at another baud rate",
+          "{} bytes without a meaning came after questions: a module speaks at another baud rate, "
+          "or "
+          "two have one address",
           heard.bytes);
     case HeardKind::noise:
       return fmt::format("{} bytes without a meaning came, also unasked: noise, or another device",

@@ -50,12 +50,14 @@ json::object to_json(const Row& row) {
   return object;
 }
 
-void print(const std::string& bus, const api::bus::Heard& heard, Output& output) {
+/// `asked`: what was asked just now, for a bus of this process.
+void print(const std::string& bus, const api::bus::Heard& heard, std::string_view asked,
+           Output& output) {
   if (!heard.hint) return;
-  output.err << fmt::format("bus {}: {}.\n  Try: {}.\n", bus, heard.meaning, *heard.hint);
+  output.err << fmt::format("bus {}: {}{}.\n  Try: {}.\n", bus, asked, heard.meaning, *heard.hint);
 }
 
-void print(const std::vector<Row>& rows, Output& output) {
+void print(const std::vector<Row>& rows, std::string_view asked, Output& output) {
   Table table({"BUS", "LINK", "STATE", "LOAD", "REQUESTS", "TIMEOUTS", "LATE", "GARBAGE", "SURPLUS",
                "SUSPECT"});
   for (const auto& [bus, load] : rows) {
@@ -70,19 +72,20 @@ void print(const std::vector<Row>& rows, Output& output) {
     if (row.bus.error)
       output.err << fmt::format("bus {} is not open: {}\n", row.bus.name, *row.bus.error);
     if (row.bus.counters.requests != 0 && row.bus.heard)
-      print(row.bus.name, *row.bus.heard, output);
+      print(row.bus.name, *row.bus.heard, asked, output);
   }
 }
 
-/// The counters of this process are nothing until it has asked.
-void ask_first(Context& context) {
-  if (context.gateway.own == nullptr) return;
+/// The counters of this process are nothing until it has asked. Gives what it has, in words.
+std::string_view ask_first(Context& context) {
+  if (context.gateway.own == nullptr) return "";
   const auto scanned = scan({1, 1}, {}, context);
   if (!scanned) warn(error_text(scanned.error()), context.output);
+  return "address 1 was asked (`tmclctl scan` asks all): ";
 }
 
 Result<ExitCode> run(const verb::Buses& verb, Context& context) {
-  ask_first(context);
+  const auto asked = ask_first(context);
   const auto first = context.call(api::bus::List{});
   if (!first) return tl::unexpected(first.error());
   const auto begin = context.host.now();
@@ -96,7 +99,7 @@ Result<ExitCode> run(const verb::Buses& verb, Context& context) {
   for (const auto& bus : second->buses)
     rows.push_back({bus, load_percent(before[bus.name], bus, passed.count())});
   if (!context.output.json) {
-    print(rows, context.output);
+    print(rows, asked, context.output);
     return ExitCode::done;
   }
   json::array buses;

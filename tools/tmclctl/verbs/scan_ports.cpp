@@ -122,6 +122,11 @@ void PortScan::tell_silence(const std::string& device, const tmcl::HeardVerdict&
     view.hint =
         "check the supply, the cabling (A and B, or RX and TX swapped?) and whether a module is "
         "on this port; all baud rates were tried";
+  if (heard.kind == other_baud_rate)
+    view.meaning = fmt::format(
+        "{} bytes without a meaning came, at all baud rates: noise, or two modules have one "
+        "address",
+        heard.bytes);
   silent_.push_back(
       json::object{{"link", "serial:" + device}, {"heard", tmcl::api::to_json(view)}});
   if (output_.json) return;
