@@ -21,6 +21,8 @@ constexpr tmcl::Duration key_look_interval = std::chrono::milliseconds(10);
 constexpr tmcl::Duration draw_interval = std::chrono::milliseconds(200);
 /// Nothing that takes longer is of use to a person who holds a key.
 constexpr tmcl::Duration time_for_call = std::chrono::seconds(2);
+/// An axis stops without it, by its hold: it must outlast a computer that is busy.
+constexpr std::int64_t lease_ttl_ms = 5'000;
 /// So that one renewal may fail to come through in time.
 constexpr int renewals_in_ttl = 4;
 /// Of max_velocity, unless --velocity says otherwise.
@@ -201,9 +203,8 @@ class Jog {
 Result<std::optional<api::lease::Granted>> take_lease(const verb::Jog& verb, Context& context) {
   using Lease = std::optional<api::lease::Granted>;
   if (lease_from_environment()) return Lease();
-  return context.call(api::lease::Acquire{verb.axes}).map([](api::lease::Granted lease) {
-    return Lease(std::move(lease));
-  });
+  return context.call(api::lease::Acquire{verb.axes, lease_ttl_ms, {}})
+      .map([](api::lease::Granted lease) { return Lease(std::move(lease)); });
 }
 
 Result<void> release(const std::optional<api::lease::Granted>& lease, Context& context) {

@@ -18,10 +18,6 @@ namespace {
 
 namespace ap = axis_parameter;
 
-constexpr auto max_bow = number_of("max_bow");
-constexpr auto v1 = number_of("velocity_v1");
-constexpr auto d1 = number_of("deceleration_d1");
-
 std::int32_t value_of(const JogAxis& axis, std::uint8_t parameter) {
   const auto found = std::ranges::find(axis.ramp, parameter, &Setting::parameter);
   return found == axis.ramp.end() ? 0 : found->value;
@@ -33,6 +29,9 @@ double way_between(double fast, double slow, double acceleration) {
 
 /// In microsteps, from a speed in microsteps per second.
 double braking_distance(const JogAxis& axis, double speed) {
+  constexpr auto max_bow = number_of("max_bow");
+  constexpr auto v1 = number_of("velocity_v1");
+  constexpr auto d1 = number_of("deceleration_d1");
   const auto limit = ramp_limits(*axis.model, axis.ramp).acceleration;
   const auto acceleration = to_pps2(InternalAcceleration{limit}, axis.units);
   if (speed <= 0 || acceleration.value <= 0) return 0;
