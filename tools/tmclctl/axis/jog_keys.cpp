@@ -6,12 +6,10 @@
 namespace tmclctl {
 namespace {
 
-using std::chrono::milliseconds;
-
 /// What a call has to add to be worth the exchanges.
-constexpr tmcl::Duration least_gain = milliseconds(40);
+constexpr tmcl::Duration least_gain = std::chrono::milliseconds(40);
 /// That of axis.jog.
-constexpr milliseconds shortest_hold{100};
+constexpr std::chrono::milliseconds shortest_hold{100};
 constexpr int finest_step = -4;
 constexpr int coarsest_step = 4;
 
@@ -84,7 +82,7 @@ std::vector<JogKeys::Going> JogKeys::take_going(tmcl::TimePoint now) {
     if (is_told && axis.held_until - axis.told_until < least_gain) continue;
     axis.told_direction = axis.direction;
     axis.told_percent = percent_;
-    const auto left = std::chrono::ceil<milliseconds>(axis.held_until - now);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(axis.held_until - now);
     const auto hold = std::max(left, shortest_hold);
     axis.told_until = std::max(axis.held_until, now + hold);
     going.push_back({i, axis.direction, percent_, hold});

@@ -33,8 +33,8 @@ struct JogSpeed {
   double number = 0;
   std::string unit{};  ///< Empty: what the module counts in.
 
-  Typed typed(int percent, int direction) const {
-    const auto part = number * percent / 100 * direction;
+  Typed typed(int percent_of_it, int direction) const {
+    const auto part = number * percent_of_it / 100 * direction;
     if (unit.empty()) return {std::to_string(std::lround(part)), true};
     return {tmcl::plain_number(part, 10) + unit, false};
   }
