@@ -1,4 +1,6 @@
 // Jogs.
+#include <utility>
+
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
@@ -15,8 +17,8 @@ Answer<axis::Jog> jog(Call& call, const axis::Jog& params) {
   // What goes on is in the audit once, and not with each call.
   call.goes_on = axis.claim_kind() == ClaimKind::jog && velocity.value != 0;
   const std::chrono::milliseconds hold(params.hold_ms);
-  const auto started =
-      co_await must(tmcld::jog({ready.axis, ready.moves, {{velocity.value}, hold}}), axis);
+  JogOrder order{ready.axis, ready.moves, {{velocity.value}, hold}};
+  const auto started = co_await must(tmcld::jog(std::move(order)), axis);
   auto target = co_await in_unit(axis, started.goal.target);
   const auto until =
       std::chrono::floor<std::chrono::milliseconds>(started.goal.until.time_since_epoch());
