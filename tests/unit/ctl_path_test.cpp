@@ -159,8 +159,9 @@ TEST_F(CtlPath, RowsHaveTheMotionOfEachAxis) {
     for (const std::size_t x : {std::size_t{1}, std::size_t{5}}) {
       const double mean = (before[x + 1] + row[x + 1]) / 2;
       EXPECT_NEAR(row[x] - before[x], mean * 0.0005, 0.0005 * 3) << row[0];
-      if (before[x + 2] == row[x + 2] && row[x + 2] != 0)
+      if (before[x + 2] == row[x + 2] && row[x + 2] != 0) {
         EXPECT_NEAR(row[x + 1] - before[x + 1], row[x + 2] * 0.0005, 1e-6) << row[0];
+      }
       EXPECT_LE(std::abs(row[x + 2]), 500 + 1e-9);
     }
     EXPECT_EQ(row[9], 0) << row[0];

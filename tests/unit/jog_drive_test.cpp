@@ -99,7 +99,9 @@ class JogScene : public DriveScene {
   void expect_rest() {
     EXPECT_TRUE(all_rest());
     const auto& report = drive.report();
-    if (report.unrestored.empty()) EXPECT_EQ(velocity_set(), own_velocity);
+    if (report.unrestored.empty()) {
+      EXPECT_EQ(velocity_set(), own_velocity);
+    }
   }
 
   JogDrive drive;

@@ -68,7 +68,9 @@ void expect_bits_apart() {
     auto& word = taken[info.bits.address];
     EXPECT_EQ(word & mask, 0U) << info.name;
     EXPECT_EQ(mask >> Chip::position_bits, 0U) << info.name;
-    if (info.minimum < 0) EXPECT_EQ(info.bits.shift, 0) << info.name;
+    if (info.minimum < 0) {
+      EXPECT_EQ(info.bits.shift, 0) << info.name;
+    }
     word |= mask;
   }
 }
