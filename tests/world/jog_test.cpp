@@ -1,5 +1,5 @@
-// An axis that is jogged comes to rest by itself when nobody goes on with it: whatever has become
-// of the client, of the gateway and of the cable.
+// A jogged axis comes to rest by itself without a further call: whether the client, the gateway or the
+// cable has gone.
 #include <gmock/gmock.h>
 
 #include <cmath>
