@@ -185,6 +185,11 @@ Result<api::OnModule> on_module(std::string_view text, Context& context) {
   return on_module(*module, context);
 }
 
+std::string model_text(std::string_view name, unsigned number) {
+  if (!name.empty()) return std::string(name);
+  return number != 0 ? fmt::format("unknown ({})", number) : "unknown";
+}
+
 json::object to_json(const ModuleRow& row) {
   json::object object{{"bus", row.bus},
                       {"address", row.address},

@@ -25,6 +25,8 @@ struct ModuleRow {
   std::string watched_by{};      ///< Empty after a scan; else tick, variable:N, settings or none.
   boost::json::value deadman{};  ///< Null after a scan; else as module.list has it.
 };
+/// For people, of a module: its model, or its number where that has no name; 0: it does not tell.
+std::string model_text(std::string_view name, unsigned number);
 boost::json::object to_json(const ModuleRow& row);
 
 struct AxisRow : tmcl::api::axis::Axis {

@@ -18,11 +18,6 @@ json::array modules_document(const std::vector<ModuleRow>& rows) {
   return array;
 }
 
-std::string model_text(const ModuleRow& row) {
-  if (!row.model.empty()) return row.model;
-  return row.model_number != 0 ? fmt::format("unknown ({})", row.model_number) : "unknown";
-}
-
 std::string remark_on(const ModuleRow& row) {
   if (row.address_is_reply_id)
     return "DANGER: its address is the identifier of all replies, so it takes them for commands "
@@ -43,8 +38,8 @@ Table::Cells headings(bool with_state) {
 }
 
 Table::Cells cells_of(const ModuleRow& row, bool with_state) {
-  Table::Cells cells{row.bus, std::to_string(row.address), model_text(row), row.firmware,
-                     row.axes != 0 ? std::to_string(row.axes) : "?"};
+  Table::Cells cells{row.bus, std::to_string(row.address), model_text(row.model, row.model_number),
+                     row.firmware, row.axes != 0 ? std::to_string(row.axes) : "?"};
   if (with_state) cells.push_back(row.state);
   cells.push_back(remark_on(row));
   return cells;

@@ -21,10 +21,9 @@ constexpr std::uint16_t last_serial_address = 255;
 // As that of a scan, of a bus whose answers take long.
 constexpr int search_share_of_reply_timeout = 4;
 
-std::string model_text(const FoundAtRate& found) {
+std::string model_of(const FoundAtRate& found) {
   const auto* model = tmcl::find_model(found.version.model);
-  if (model != nullptr) return std::string(model->name);
-  return found.version.model != 0 ? fmt::format("unknown ({})", found.version.model) : "unknown";
+  return model_text(model != nullptr ? model->name : "", found.version.model);
 }
 
 std::string link_at(const std::string& device, std::uint32_t baud) {
@@ -106,12 +105,12 @@ void PortScan::tell_found(const std::string& device, const FoundAtRate& found) {
   modules_.push_back(json::object{{"link", link},
                                   {"baud", found.baud},
                                   {"address", found.address},
-                                  {"model", model_text(found)},
+                                  {"model", model_of(found)},
                                   {"model_number", found.version.model},
                                   {"firmware", to_string(found.version)}});
   line_.clear();
   if (output_.json) return;
-  table_.add({link, std::to_string(found.address), model_text(found), to_string(found.version)},
+  table_.add({link, std::to_string(found.address), model_of(found), to_string(found.version)},
              output_.out);
 }
 
