@@ -1,5 +1,5 @@
-// A jogged axis comes to rest by itself without a further call: whether the client, the gateway or the
-// cable has gone.
+// A jogged axis comes to rest by itself without a further call, when the client, the gateway or
+// the cable has gone.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -3,8 +3,8 @@
 /// A module that listens at another rate hears other bytes than were sent. By chance they could be
 /// a datagram that moves a motor. This question cannot become one: whatever rate of its own a
 /// module has, no nine bytes in a row that it hears are, with a right checksum, a command that
-/// moves a motor or changes anything. They may be a stop, or a command that TMCL does not
-/// define: without these there is not a question for each address. GET_FIRMWARE_VERSION ignores two fields,
+/// moves a motor or changes anything. They may be a stop, or a command that TMCL does not define:
+/// without these there is no question for some addresses. GET_FIRMWARE_VERSION ignores two fields,
 /// motor and value; they are chosen for that, by a model of the receiver.
 ///
 /// The model: eight bits, no parity, one stop bit; a receiver begins at a falling edge and looks at
