@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "command_line/tmclctl.hpp"
+#include "output/steady_stream.hpp"
 
 namespace {
 
@@ -20,6 +21,8 @@ void occupy_closed_streams() {
 
 int main(int argc, char** argv) {
   occupy_closed_streams();
+  const tmclctl::SteadyStream steady_out(std::cout, STDOUT_FILENO);
+  const tmclctl::SteadyStream steady_err(std::cerr, STDERR_FILENO);
   tmclctl::Output output{std::cout, std::cerr, tmclctl::screen_of(STDOUT_FILENO),
                          tmclctl::screen_of(STDERR_FILENO)};
   tmclctl::RealHost host;
