@@ -121,31 +121,19 @@ class CtlBench {
   std::unique_ptr<Program> daemon_;
 };
 
-/// tmclctl on a terminal of 80 columns.
+/// tmclctl on a terminal of 80 columns, as the child of a process that stands for the shell: at the
+/// end of the process that leads a terminal's session the kernel drops what was not read yet.
 class OnTerminal {
  public:
   OnTerminal(const Words& how, const Words& words) {
     winsize size{24, 80, 0, 0};
-    process_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
-    if (process_ != 0) return;
-    Words all{TMCL_BIN_DIR "/tmclctl"};
-    all.insert(all.end(), how.begin(), how.end());
-    all.insert(all.end(), words.begin(), words.end());
-    std::vector<char*> arguments;
-    for (auto& word : all) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    ::setenv("LC_ALL", "C.UTF-8", 1);
-    ::setenv("TERM", "xterm", 1);
-    ::unsetenv("NO_COLOR");
-    ::unsetenv("COLUMNS");
-    ::execv(arguments[0], arguments.data());
-    ::_exit(127);
+    shell_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
+    if (shell_ == 0) be_shell(how, words);
   }
   ~OnTerminal() {
-    if (process_ > 0) {
-      ::kill(process_, SIGKILL);
-      wait();
-    }
+    // Of the group: the program, too.
+    ::kill(-shell_, SIGKILL);
+    ::waitpid(shell_, nullptr, 0);
     ::close(terminal_);
   }
   OnTerminal(const OnTerminal&) = delete;
@@ -161,16 +149,45 @@ class OnTerminal {
   void press(char key) const { [[maybe_unused]] const auto written = ::write(terminal_, &key, 1); }
   void press_ctrl_c() const { press('\x03'); }
   void press_ctrl_z() const { press('\x1a'); }
+  /// The exit code of the program; 128 and the signal where one ended it.
   int wait() {
-    while (read_more()) {
-    }
-    int status = 0;
-    ::waitpid(process_, &status, 0);
-    process_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (!wait_for(after_status)) return -1;
+    const auto begin = output_.rfind(before_status);
+    const int status = std::atoi(output_.c_str() + begin + before_status.size());
+    output_.resize(begin);
+    return status;
   }
 
  private:
+  // Around what the shell writes when the program has ended.
+  static constexpr std::string_view before_status = "\x1e";
+  static constexpr std::string_view after_status = "\x1f";
+
+  [[noreturn]] static void be_shell(const Words& how, const Words& words) {
+    const pid_t program = ::fork();
+    if (program == 0) be_program(how, words);
+    for (const int key_signal : {SIGINT, SIGTSTP, SIGQUIT}) ::signal(key_signal, SIG_IGN);
+    int status = 0;
+    ::waitpid(program, &status, 0);
+    const int exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    const auto told = std::string(before_status) + std::to_string(exit) + std::string(after_status);
+    [[maybe_unused]] const auto written = ::write(STDOUT_FILENO, told.data(), told.size());
+    while (true) ::pause();
+  }
+  [[noreturn]] static void be_program(const Words& how, const Words& words) {
+    Words all{TMCL_BIN_DIR "/tmclctl"};
+    all.insert(all.end(), how.begin(), how.end());
+    all.insert(all.end(), words.begin(), words.end());
+    std::vector<char*> arguments;
+    for (auto& word : all) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    ::setenv("LC_ALL", "C.UTF-8", 1);
+    ::setenv("TERM", "xterm", 1);
+    ::unsetenv("NO_COLOR");
+    ::unsetenv("COLUMNS");
+    ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
   bool read_more() {
     pollfd waiting{terminal_, POLLIN, 0};
     if (::poll(&waiting, 1, 20'000) <= 0) return false;
@@ -181,7 +198,7 @@ class OnTerminal {
     return true;
   }
 
-  pid_t process_ = -1;
+  pid_t shell_ = -1;
   int terminal_ = -1;
   std::string output_;
 };
