@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto description =
     "tmcld owns the buses that TMCM modules are on and lets many programs use their axes safely.\n"
-    "Clients talk to it through a unix socket; `tmclctl` is one.";
+    "Clients talk to it through a unix socket; 'tmclctl' is one.";
 
 constexpr auto footer = R"(The least configuration file:
 

@@ -165,6 +165,12 @@ awaitable<bool> look_at_module(GatewayBus& bus, GatewayModule& module, std::uint
     notes.wrong(Check::module, ready.error().message);
     co_return false;
   }
+  // It may have fallen silent since it was made ready.
+  const auto now = co_await bus.run(tmcl::verbs::identify(module.address()), asked_by(client));
+  if (!now) {
+    notes.wrong(Check::module, now.error().message);
+    co_return false;
+  }
   const auto* model = module.model();
   const auto firmware = to_string(module.identity()->version);
   notes.fine(Check::module, "it answers, with firmware " + firmware);

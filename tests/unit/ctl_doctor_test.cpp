@@ -108,5 +108,17 @@ TEST_F(CtlDoctor, IsDoneWhereNothingIsWrong) {
   EXPECT_THAT(target.calls.back(), HasSubstr(R"(doctor.examine {"axis":"x"})"));
 }
 
+TEST_F(CtlDoctor, AsksForEachAxisOfAModule) {
+  const boost::json::object buses{
+      {"buses", boost::json::array{{{"name", "bench"}, {"link", "can:can0"}, {"state", "open"}}}}};
+  target.results = {buses, buses};
+  target.result = {{"findings", boost::json::array{finding("bus", "b", false)}}};
+  ASSERT_EQ(run({"doctor", "1"}), ExitCode::done) << err;
+  EXPECT_THAT(target.calls.back(), HasSubstr(R"(doctor.examine {"axis":"x"})"));
+  target.results = {buses, buses};
+  EXPECT_EQ(run({"doctor", "7"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("no axis is on module 7 of bus bench"));
+}
+
 }  // namespace
 }  // namespace tmclctl::test

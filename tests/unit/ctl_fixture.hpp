@@ -562,7 +562,7 @@ class Ctl {
  public:
   FakeHost& host = host_;
   FakeGateway& target = *channel_;
-  Gateway gateway{tmcl::client::Caller(std::move(channel_)), " --direct can:can0"};
+  Gateway gateway{tmcl::client::Caller(std::move(channel_))};
   Screen screen;  ///< Both streams'. A plain file, unless the test says otherwise.
 
   std::string out;
@@ -572,6 +572,7 @@ class Ctl {
     std::ostringstream out_stream;
     std::ostringstream err_stream;
     Output output{out_stream, err_stream, screen, screen};
+    output.gateway = " --direct can:can0";
     const auto exit = tmclctl::run(arguments, output, host, gateway);
     out = out_stream.str();
     err = err_stream.str();

@@ -58,6 +58,17 @@ TEST(CtlMethodWords, AWholeNameBecomesAVerb) {
   EXPECT_EQ(with_verbs("axis.stop_home, axis.stop"), "'tmclctl home --stop', 'tmclctl stop'");
 }
 
+TEST(CtlMethodWords, ACommandThatIsProposedReachesTheSameGateway) {
+  constexpr auto here = " --direct can:can0";
+  EXPECT_EQ(with_gateway("try 'tmclctl axes', or 'tmclctl path run'", here),
+            "try 'tmclctl --direct can:can0 axes', or 'tmclctl --direct can:can0 path run'");
+  EXPECT_EQ(with_gateway("'tmclctl state x'", ""), "'tmclctl state x'");
+  for (const auto* text : {"'tmclctl path check' reads it", "'tmclctl models'", "'tmclctl --help'",
+                           "'tmclctl axess'", "tmclctl axes", "'tmclctl ", ""}) {
+    EXPECT_EQ(with_gateway(text, here), text);
+  }
+}
+
 TEST(CtlMethodWords, OtherWordsStayAsTheyAre) {
   for (const auto* text : {"cannot read /tmp/path.run", "path.run.csv", "no axis my_axis.list",
                            "axis.lists", "the axis. list them", ""}) {

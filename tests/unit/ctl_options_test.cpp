@@ -90,6 +90,8 @@ TEST(CtlOptions, ScansTheWholeRangeOrAPart) {
   EXPECT_EQ(range.last, 20);
   EXPECT_EQ(parsed<verb::Scan>({"scan", "--addresses", "7"}).range.last, 7);
   EXPECT_EQ(exit_code_of(failure({"scan", "--addresses", "20-3"})), ExitCode::usage);
+  EXPECT_THAT(failure({"scan", "--addresses", "20-3"}).message,
+              testing::HasSubstr("20-3 goes down; meant is perhaps 3-20"));
 }
 
 TEST(CtlOptions, AWordThatIsNoVerbIsNotTakenForOneThatMoves) {

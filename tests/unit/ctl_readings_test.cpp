@@ -77,7 +77,7 @@ class WaitingForAnAxis : public testing::Test {
 
   FakeHost host;
   ScriptedChannel* channel = new ScriptedChannel(host);
-  Gateway gateway{tmcl::client::Caller(std::unique_ptr<ScriptedChannel>(channel)), ""};
+  Gateway gateway{tmcl::client::Caller(std::unique_ptr<ScriptedChannel>(channel))};
   std::ostringstream text;
   Output output{text, text, {}, {}};
   Context context{gateway, output, host};

@@ -160,7 +160,9 @@ TEST_F(CtlVerbs, StopAllStopsEverythingUnlessAnAxisIsCalledSo) {
 TEST_F(CtlVerbs, AStopOfNoAxisSaysThatEverythingMoves) {
   target.stop_failure = usage_error("unknown_axis", "there is no axis 'y'", "See 'tmclctl axes'");
   EXPECT_EQ(run({"stop", "y"}), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr("Everything still moves: 'tmclctl stop --all' stops every axis"));
+  EXPECT_THAT(
+      err,
+      HasSubstr("Everything still moves: 'tmclctl --direct can:can0 stop --all' stops every axis"));
   EXPECT_EQ(run({"stop", "x", "y"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("Everything still moves"));
   EXPECT_EQ(run({"stop", "x", "--now"}), ExitCode::usage);

@@ -152,7 +152,7 @@ TEST(Heard, EachKindHasItsWordItsSentenceAndItsHint) {
   EXPECT_EQ(meanings.size(), 8U);
   EXPECT_EQ(hints.size(), 8U);
   EXPECT_THAT(hint_for(other_baud_rate, "serial:/dev/ttyUSB0"),
-              HasSubstr("`tmclctl --direct serial:/dev/ttyUSB0 scan --bauds`"));
+              HasSubstr("'tmclctl --direct serial:/dev/ttyUSB0 scan --bauds'"));
   EXPECT_THAT(hint_for(other_baud_rate, ""), testing::Not(HasSubstr("--bauds")));
 }
 

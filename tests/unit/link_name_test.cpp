@@ -72,7 +72,7 @@ TEST(LinkName, WhatIsWrongIsNamed) {
   for (const auto* port :
        {"usb:", "usb:1", "usb:1-", "usb:-1", "usb:1-1.", "usb:1-1..2", "usb:1-2x", "usb:1-1:1.0",
         "usb:../../1-1", "usb:1-1.1.1.1.1.1.1.1.1.1.1.1.1.1.1.1"})
-    EXPECT_THAT(message(port), HasSubstr("`tmclctl ports`")) << port;
+    EXPECT_THAT(message(port), HasSubstr("'tmclctl ports'")) << port;
   EXPECT_THAT(message("tcp:host"), HasSubstr("port is missing"));
   EXPECT_THAT(message("tcp:host:0"), HasSubstr("1 to 65535"));
   EXPECT_THAT(message("tcp::4001"), HasSubstr("host is missing"));

@@ -157,7 +157,7 @@ TEST(UsbLink, APlaceWhereNothingIsSaysWhatToTry) {
   EXPECT_EQ(link.error().code, Errc::link_open_failed);
   EXPECT_EQ(link.error().outcome, Outcome::not_sent);
   EXPECT_THAT(link.error().message, HasSubstr("cannot open usb:250-7.7: nothing there"));
-  EXPECT_THAT(link.error().hint, HasSubstr("`tmclctl ports`"));
+  EXPECT_THAT(link.error().hint, HasSubstr("'tmclctl ports'"));
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ constexpr auto description =
     "The motors ramp as the real chip's do, in real time. Ends with Ctrl-C.";
 
 constexpr auto explanation = R"(
-MODEL is one of those that `tmclctl models` lists, such as TMCM-3110 (three motors with the ramps of
+MODEL is one of those that 'tmclctl models' lists, such as TMCM-3110 (three motors with the ramps of
 a TMC429), TMCM-142 (one motor, TMC457) or TMCM-6212 (six motors, sixPoint ramps). ADDRESS is 1 to
 255, on serial lines and on CAN alike; without it a module gets the next free one from 1 on. Every
 port reaches every module, and a module answers by the port that asked. Ports can be repeated as
@@ -165,6 +165,8 @@ EarlyExit wrong(const std::string& sentence) {
 EarlyExit unexpected_word(const std::string& word) {
   if (!word.starts_with("-")) return wrong("'" + word + "' belongs to no option.");
   const auto name = word.substr(0, word.find('='));
+  if (name == "--baud")
+    return wrong("there is no option '--baud'. --pace gives ports the pace of a baud rate.");
   return wrong("there is no option '" + name + "'." + tmcl::did_you_mean(name, known_options));
 }
 

@@ -175,7 +175,7 @@ std::string meaning_of(const HeardVerdict& heard) {
 std::string hint_for(HeardKind kind, std::string_view link) {
   const auto search = link.empty()
                           ? "what is between must have the baud rate of the modules"
-                          : fmt::format("`tmclctl --direct {} scan --bauds` finds the rate", link);
+                          : fmt::format("'tmclctl --direct {} scan --bauds' finds the rate", link);
   switch (kind) {
     case HeardKind::nothing:
       return "check the supply, the cabling (A and B, or RX and TX swapped?), whether this is the "
@@ -193,7 +193,7 @@ std::string hint_for(HeardKind kind, std::string_view link) {
              "TX are joined, or the adapter hears itself, which does no harm";
     case HeardKind::text:
       return "another device is on this port, a console that the kernel or getty writes to, or a "
-             "module in ASCII mode: `tmclctl ports` lists the ports";
+             "module in ASCII mode: 'tmclctl ports' lists the ports";
     case HeardKind::other_baud_rate: return "new modules speak 9600 baud: " + search;
     case HeardKind::noise:
       return "check ground, shield, termination and whether another device is on this port; if all "

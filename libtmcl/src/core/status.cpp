@@ -13,7 +13,7 @@ constexpr auto statuses = std::to_array<StatusInfo>({
     {Status::invalid_command, "invalid_command", "the module does not know this command",
      "see the firmware manual of the model for the commands it has"},
     {Status::wrong_type, "wrong_type", "the module does not know this type or parameter number",
-     "`tmclctl params AXIS` lists the parameters; see also the firmware manual of the model"},
+     "'tmclctl params AXIS' lists the parameters; see also the firmware manual of the model"},
     {Status::invalid_value, "invalid_value",
      "the value, motor or bank is outside what the module allows",
      "check the parameter's range and how many motors the module has"},

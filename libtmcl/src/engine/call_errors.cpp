@@ -43,7 +43,7 @@ Error link_lost_error(const Call& call, const std::string& why) {
 Error silence_error(const Call& call) {
   return error_for(call, Errc::module_silent,
                    fmt::format("module {} does not answer", number(call.request.address)),
-                   "check its power and address; `tmclctl scan` shows who answers");
+                   "check its power and address; 'tmclctl scan' shows who answers");
 }
 
 Error timeout_error(const Call& call, Duration waited) {
@@ -51,7 +51,7 @@ Error timeout_error(const Call& call, Duration waited) {
       call.times_sent == 1 ? std::string("once") : fmt::format("{} times", call.times_sent);
   return error_for(call, Errc::reply_timeout,
                    fmt::format("no answer within {} ms, asked {}", in_milliseconds(waited), times),
-                   "check address, baud rate and power; `tmclctl scan` shows who answers");
+                   "check address, baud rate and power; 'tmclctl scan' shows who answers");
 }
 
 Error full_link_error(const Call& call, Framing framing, Duration waited) {

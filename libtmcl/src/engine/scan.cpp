@@ -119,7 +119,7 @@ Error no_firmware(ModuleAddress module) {
       fmt::format("module {} is in its bootloader: no firmware runs in it that could do anything",
                   number(module));
   error.hint =
-      "`tmclctl firmware upload` gives it one; one that is whole starts when the module's power is "
+      "'tmclctl firmware upload' gives it one; one that is whole starts when the module's power is "
       "switched off and on";
   return error;
 }

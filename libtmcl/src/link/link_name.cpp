@@ -84,7 +84,7 @@ Result<LinkName> parse_usb(std::string_view text, std::string_view rest) {
   if (is_usb_port(rest)) return UsbName{std::string(rest)};
   return bad_link(text,
                   "behind usb: comes auto, or the kernel's name of a port such as 1-1.2; "
-                  "`tmclctl ports` lists them");
+                  "'tmclctl ports' lists them");
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ std::vector<std::string> modules_among(const std::vector<Port>& ports) {
 
 std::string what_is_there(const std::vector<std::string>& modules) {
   if (modules.empty())
-    return "is a module plugged in, and has it power? `tmclctl ports` lists what is there";
-  return fmt::format("there is {}; `tmclctl ports` lists all", fmt::join(modules, ", "));
+    return "is a module plugged in, and has it power? 'tmclctl ports' lists what is there";
+  return fmt::format("there is {}; 'tmclctl ports' lists all", fmt::join(modules, ", "));
 }
 
 Result<UsbDeviceInfo> find_device(const UsbName& name, const std::string& text,

@@ -110,7 +110,7 @@ std::string advice_on_stop(const std::string& axis, const std::string& cause) {
 }
 
 std::string how_to_stop(const std::string& axis, const Context& context) {
-  return fmt::format("Stop it with: tmclctl{} stop {}", context.gateway.options, axis);
+  return fmt::format("Stop it with: tmclctl{} stop {}", context.output.gateway, axis);
 }
 
 Result<tmcl::api::axis::StartedMove> start_move(const std::string& axis, const Typed& where,

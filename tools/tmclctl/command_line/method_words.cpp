@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "command_line/verb_info.hpp"
+
 namespace tmclctl {
 namespace {
 
@@ -116,6 +118,18 @@ bool stands_alone(std::string_view text, std::size_t at, std::size_t length) {
   return begins && !goes_on && !has_ending;
 }
 
+/// What stands behind "tmclctl " begins with the name of a verb that asks a gateway.
+bool asks_a_gateway(std::string_view words, const std::vector<VerbInfo>& verbs) {
+  const VerbInfo* named = nullptr;
+  for (const auto& verb : verbs) {
+    const auto after = words.substr(std::min(verb.name.size(), words.size()));
+    const bool is_whole = after.empty() || !is_of_a_word(after.front());
+    const bool is_longer = named == nullptr || verb.name.size() > named->name.size();
+    if (words.starts_with(verb.name) && is_whole && is_longer) named = &verb;
+  }
+  return named != nullptr && named->doors != Doors::offline;
+}
+
 }  // namespace
 
 std::span<const MethodWord> method_words() { return words_of_methods; }
@@ -134,6 +148,21 @@ std::string with_verbs(std::string_view text) {
     at += found->method.size();
   }
   return words;
+}
+
+std::string with_gateway(std::string_view text, std::string_view options) {
+  constexpr std::string_view program = "'tmclctl ";
+  std::string words;
+  for (auto at = text.find(program); at != std::string_view::npos && !options.empty();
+       at = text.find(program)) {
+    static const auto verbs = verb_table();
+    const auto verb = at + program.size();
+    // Without the space: the options begin with one.
+    words += text.substr(0, verb - 1);
+    if (asks_a_gateway(text.substr(verb), verbs)) words += options;
+    text.remove_prefix(verb - 1);
+  }
+  return words.append(text);
 }
 
 }  // namespace tmclctl

@@ -19,4 +19,8 @@ std::span<const MethodWord> method_words();
 /// clients, who know methods; here people read them, who know verbs.
 std::string with_verbs(std::string_view text);
 
+/// Each 'tmclctl VERB' of a verb that asks a gateway gets the options that name this one, such as
+/// " --direct can:can0": it can be pasted as it stands. Empty: `text` as it is.
+std::string with_gateway(std::string_view text, std::string_view options);
+
 }  // namespace tmclctl

@@ -19,7 +19,7 @@ ExitCode complain(const Error& error, ExitCode exit, Output& output) {
   if (output.json) {
     print_json({{"error", error_document(error, exit)}}, output);
   } else {
-    output.err << "tmclctl: " << error_text(error) << '\n';
+    output.err << "tmclctl: " << error_text(error, output.gateway) << '\n';
   }
   return exit;
 }
@@ -109,6 +109,7 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Hos
   }
   const auto& options = std::get<Options>(*parsed);
   output.tables = options.tables;
+  if (ready == nullptr) output.gateway = options_of(options.where);
   const auto result = run(options, output, host, ready);
   if (result) return *result;
   auto error = result.error();

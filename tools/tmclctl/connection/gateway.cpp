@@ -19,6 +19,24 @@ std::string socket_path(const Where& where) {
 }
 
 // What the environment says will hold for the user's next command, too.
+OwnBus own_bus(const Where& where) {
+  OwnBus bus{where.direct, where.config, {}, where.full_steps};
+  if (where.reply_timeout_ms)
+    bus.reply_timeout = std::chrono::milliseconds(*where.reply_timeout_ms);
+  return bus;
+}
+
+Result<Gateway> open_own(const Where& where, tmcl::Duration wait, Host& host) {
+  return open_own_gateway(own_bus(where), wait, host)
+      .map([&](std::unique_ptr<tmcld::LocalChannel> channel) {
+        auto* own = channel.get();
+        const auto axes = where.config.empty() ? AxesFrom::scan : AxesFrom::configuration;
+        return Gateway{tmcl::client::Caller(std::move(channel)), axes, own};
+      });
+}
+
+}  // namespace
+
 std::string options_of(const Where& where) {
   std::string options;
   const auto add = [&](const char* name, const std::string& value) {
@@ -33,24 +51,6 @@ std::string options_of(const Where& where) {
   if (where.reply_timeout_ms) add("--reply-timeout", std::to_string(*where.reply_timeout_ms));
   return options;
 }
-
-OwnBus own_bus(const Where& where) {
-  OwnBus bus{where.direct, where.config, {}, where.full_steps};
-  if (where.reply_timeout_ms)
-    bus.reply_timeout = std::chrono::milliseconds(*where.reply_timeout_ms);
-  return bus;
-}
-
-Result<Gateway> open_own(const Where& where, tmcl::Duration wait, Host& host) {
-  return open_own_gateway(own_bus(where), wait, host)
-      .map([&](std::unique_ptr<tmcld::LocalChannel> channel) {
-        auto* own = channel.get();
-        const auto axes = where.config.empty() ? AxesFrom::scan : AxesFrom::configuration;
-        return Gateway{tmcl::client::Caller(std::move(channel)), options_of(where), axes, own};
-      });
-}
-
-}  // namespace
 
 Result<std::unique_ptr<Channel>> open_daemon(const Where& where, tmcl::client::Options options) {
   if (!where.web.url.empty()) {
@@ -76,7 +76,7 @@ Result<Gateway> open_gateway(const Where& where, tmcl::Duration wait, Host& host
   options.time_in_all = in_all;
   options.cancelled = [&host] { return host.signal() != 0; };
   return open_daemon(where, std::move(options)).map([&](std::unique_ptr<Channel> channel) {
-    Gateway gateway{tmcl::client::Caller(std::move(channel)), options_of(where)};
+    Gateway gateway{tmcl::client::Caller(std::move(channel))};
     // That of the 'tmclctl lease run' in which this program runs.
     if (const auto lease = lease_from_environment()) gateway.caller.use_lease(*lease);
     return gateway;

@@ -31,6 +31,9 @@ struct Where {
   std::int32_t full_steps = tmcl::MotorSteps{}.full_steps;  ///< Of a turn, without the daemon.
 };
 
+/// With which another tmclctl reaches the same axes, such as " --direct can:can0"; may be empty.
+std::string options_of(const Where& where);
+
 /// How long is waited for tmcld's socket, or for a serial port, that is not there yet.
 constexpr tmcl::Duration usual_wait = tmcl::longest_wait_for_file;
 /// The same before a stop: a daemon is not started in order to stop a motor.
@@ -46,8 +49,6 @@ enum class AxesFrom : std::uint8_t {
 
 struct Gateway {
   tmcl::client::Caller caller;
-  /// With which another tmclctl reaches the same axes, such as " --direct can:can0"; may be empty.
-  std::string options;
   AxesFrom axes_from = AxesFrom::configuration;
   tmcld::LocalChannel* own = nullptr;  ///< That of the caller, for a gateway in this process.
 };

@@ -63,14 +63,14 @@ Error interrupted_error(int signal, std::string message, std::string hint, json:
           std::move(message), std::move(hint),        std::move(subject)};
 }
 
-std::string error_text(const Error& error) {
+std::string error_text(const Error& error, std::string_view gateway) {
   auto text = with_verbs(error.message);
   const auto bus = text_of(error.subject, "bus");
   const auto command = text_of(error.subject, "command");
   if (!bus.empty() && text.find(bus) == std::string::npos) text = bus + ": " + text;
   if (!command.empty() && text.find(command) == std::string::npos) text += " (" + command + ")";
   if (!error.hint.empty()) text += "\n  " + as_sentence(with_verbs(error.hint));
-  return text;
+  return with_gateway(text, gateway);
 }
 
 json::object error_document(const Error& error, ExitCode exit) {

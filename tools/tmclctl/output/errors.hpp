@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include <boost/json/object.hpp>
 
@@ -21,8 +22,8 @@ Error usage_error(std::string name, std::string message, std::string hint = {});
 Error interrupted_error(int signal, std::string message, std::string hint,
                         boost::json::object subject = {});
 
-/// One line for what happened and where, and one for what to try.
-std::string error_text(const Error& error);
+/// One line for what happened and where, and one for what to try. `gateway`: as for with_gateway.
+std::string error_text(const Error& error, std::string_view gateway = {});
 /// {"name":..., "message":..., ...}; what stands behind "error" with --json.
 boost::json::object error_document(const Error& error, ExitCode exit);
 inline boost::json::object error_document(const Error& error) {

@@ -10,6 +10,9 @@ namespace tmclctl {
 Result<void> OutputFile::open(const std::string& path) {
   path_ = path;
   if (path.empty()) return {};
+  if (path == "-")
+    return tl::unexpected(
+        usage_error("cannot_write", "'-' names no file here", "/dev/stdout is standard output"));
   file_.open(path, std::ios::binary | std::ios::trunc);
   if (!file_) return tl::unexpected(problem());
   return {};

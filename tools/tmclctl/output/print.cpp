@@ -4,6 +4,7 @@
 #include <cctype>
 #include <utility>
 
+#include "command_line/method_words.hpp"
 #include "tmcl/json_text.hpp"
 
 namespace tmclctl {
@@ -20,7 +21,7 @@ void print_json(const json::object& document, Output& output) {
 }
 
 void warn(std::string_view text, Output& output) {
-  output.err << "tmclctl: warning: " << text << '\n';
+  output.err << "tmclctl: warning: " << with_gateway(text, output.gateway) << '\n';
 }
 
 std::string joined(const std::vector<std::string>& names) {

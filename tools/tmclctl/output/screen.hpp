@@ -35,6 +35,7 @@ struct Output {
   Screen err_screen;
   bool json = false;
   TableStyle tables{};
+  std::string gateway{};  ///< What options_of says, for commands that are proposed.
 };
 
 }  // namespace tmclctl

@@ -133,7 +133,7 @@ void tell(const verb::Ask& verb, const json::object& result, Context& context) {
   context.output.out << fmt::format(fmt::runtime(line->text), whom, verb.at.value_or(0)) << '\n';
   if (verb.method == "program.stop" || verb.method == "program.reset") {
     context.output.out << fmt::format(
-        "Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n", context.gateway.options);
+        "Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n", context.output.gateway);
   }
 }
 
@@ -155,7 +155,7 @@ Error explained(Error failure, const verb::Ask& verb, Context& context) {
   failure.message =
       fmt::format("{} cannot be kept in the EEPROM of {}'s module", row->name, verb.axis);
   failure.hint = fmt::format("'tmclctl{} params {}' shows RWE at what can be kept",
-                             context.gateway.options, verb.axis);
+                             context.output.gateway, verb.axis);
   return failure;
 }
 

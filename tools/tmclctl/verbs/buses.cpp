@@ -81,7 +81,7 @@ std::string_view ask_first(Context& context) {
   if (context.gateway.own == nullptr) return "";
   const auto scanned = scan({1, 1}, {}, context);
   if (!scanned) warn(error_text(scanned.error()), context.output);
-  return "address 1 was asked (`tmclctl scan` asks all): ";
+  return "address 1 was asked ('tmclctl scan' asks all): ";
 }
 
 Result<ExitCode> run(const verb::Buses& verb, Context& context) {

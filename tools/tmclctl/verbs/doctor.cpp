@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "command_line/method_words.hpp"
 #include "connection/port_checks.hpp"
 #include "output/print.hpp"
 #include "tmcl/api/doctor.hpp"
@@ -55,6 +56,12 @@ std::string sentence(const Finding& finding) {
   return fmt::format("{}: {}: {}", subject, finding.check, finding.text);
 }
 
+/// What is wrong, and on a line of its own what to do.
+std::string advice(const Finding& finding, const Output& output) {
+  const auto text = fmt::format("{}\n  {}\n", sentence(finding), finding.cure.value_or(""));
+  return with_gateway(text, output.gateway);
+}
+
 void print_all(const Findings& findings, Output& output) {
   Table table({"", "OF", "QUESTION", "ANSWER"});
   for (const auto& finding : findings) {
@@ -65,8 +72,7 @@ void print_all(const Findings& findings, Output& output) {
   }
   table.print(output);
   for (const auto& finding : findings)
-    if (finding.wrong)
-      output.out << fmt::format("\n{}\n  {}\n", sentence(finding), finding.cure.value_or(""));
+    if (finding.wrong) output.out << '\n' << advice(finding, output);
 }
 
 void print_first(const Findings& findings, std::size_t wrong, Output& output) {
@@ -75,7 +81,7 @@ void print_first(const Findings& findings, std::size_t wrong, Output& output) {
     return;
   }
   const auto first = std::ranges::find(findings, true, &Finding::wrong);
-  output.out << fmt::format("{}\n  {}\n", sentence(*first), first->cure.value_or(""));
+  output.out << advice(*first, output);
   if (wrong > 1)
     output.out << fmt::format("{} more {} wrong: --all shows {}\n", wrong - 1,
                               wrong == 2 ? "is" : "are", wrong == 2 ? "it" : "them");
@@ -125,13 +131,8 @@ Result<void> add_silence(Findings& findings, Context& context) {
   });
 }
 
-/// Without a configuration nothing is known of axes but what a scan finds.
-Result<void> examine_found_axes(Findings& findings, Context& context) {
-  const auto axes = axes_of(context);
-  if (!axes) return tl::unexpected(axes.error());
-  if (axes->empty())
-    return add_silence(findings, context).and_then([&] { return examine({}, findings, context); });
-  for (const auto& axis : *axes) {
+Result<void> examine_axes(const std::vector<AxisRow>& axes, Findings& findings, Context& context) {
+  for (const auto& axis : axes) {
     api::doctor::Examine method;
     method.axis = axis.name;
     if (auto done = examine(method, findings, context); !done) return done;
@@ -139,12 +140,36 @@ Result<void> examine_found_axes(Findings& findings, Context& context) {
   return {};
 }
 
+/// Without a configuration nothing is known of axes but what a scan finds.
+Result<void> examine_found_axes(Findings& findings, Context& context) {
+  const auto axes = axes_of(context);
+  if (!axes) return tl::unexpected(axes.error());
+  if (axes->empty())
+    return add_silence(findings, context).and_then([&] { return examine({}, findings, context); });
+  return examine_axes(*axes, findings, context);
+}
+
+/// "1" or "bench:1", which is the name of no axis.
+Result<void> examine_module(const ModuleName& module, Findings& findings, Context& context) {
+  const auto bus = bus_named(module.bus, context);
+  if (!bus) return tl::unexpected(bus.error());
+  auto axes = axes_of(context);
+  if (!axes) return tl::unexpected(axes.error());
+  std::erase_if(*axes, [&](const AxisRow& axis) {
+    return axis.bus != bus->name || axis.address != module.address;
+  });
+  if (!axes->empty()) return examine_axes(*axes, findings, context);
+  return tl::unexpected(usage_error(
+      "unknown_module", fmt::format("no axis is on module {} of bus {}", module.address, bus->name),
+      fmt::format("One of its motors: doctor {}/0. Axes: 'tmclctl axes'", module.address)));
+}
+
 Result<ExitCode> run(const verb::Doctor& verb, Context& context) {
   const auto buses = context.call(api::bus::List{});
   if (!buses) return tl::unexpected(buses.error());
   Findings findings;
   const bool is_own = context.gateway.own != nullptr;
-  const bool is_far = context.gateway.options.find("--url") != std::string::npos;
+  const bool is_far = context.output.gateway.find("--url") != std::string::npos;
   if (!is_own) add_gateway(findings, false, "it does");
   api::doctor::Examine method;
   for (const auto& bus : buses->buses) {
@@ -153,8 +178,10 @@ Result<ExitCode> run(const verb::Doctor& verb, Context& context) {
   }
   if (!verb.what.empty() && !method.bus) method.axis = verb.what;
   const bool searches = verb.what.empty() && context.gateway.axes_from == AxesFrom::scan;
-  const auto done =
-      searches ? examine_found_axes(findings, context) : examine(method, findings, context);
+  const auto module = parse_module(verb.what);
+  const auto done = searches                ? examine_found_axes(findings, context)
+                    : module && method.axis ? examine_module(*module, findings, context)
+                                            : examine(method, findings, context);
   if (!done) return tl::unexpected(done.error());
   return show(verb, std::move(findings), context.output);
 }
@@ -191,7 +218,8 @@ their answers. Nothing is set, and nothing moves. The exit status is 1 if anythi
 void add_doctor(Grammar& grammar) {
   auto doctor = grammar.verb<verb::Doctor>("doctor", access::reads, "Find out why nothing moves",
                                            doctor_help, run);
-  doctor.optional_word("WHAT", "An axis or a bus; everything without", text(doctor->what));
+  doctor.optional_word("WHAT", "An axis, a bus or a module; everything without",
+                       text(doctor->what));
   doctor.flag("--all", "All questions and their answers", doctor->all);
   doctor.unreached(run_unreached);
 }

@@ -51,7 +51,8 @@ Result<ExitCode> run(const verb::Errors& verb, Context& context) {
     exit = std::max(exit, exit_code_of(errors.error()));
     all.push_back(json::object{{"axis", name}, {"error", error_document(errors.error())}});
     if (!context.output.json)
-      context.output.err << "tmclctl: " << name << ": " << error_text(errors.error()) << '\n';
+      context.output.err << "tmclctl: " << name << ": "
+                         << error_text(errors.error(), context.output.gateway) << '\n';
   }
   if (context.output.json) {
     print_json({{"axes", std::move(all)}}, context.output);

@@ -19,7 +19,7 @@ namespace api = tmcl::api;
 namespace json = boost::json;
 
 std::string how_to_end(const verb::Home& verb, const Context& context) {
-  return fmt::format("End it with: tmclctl{} home {} --stop", context.gateway.options, verb.axis);
+  return fmt::format("End it with: tmclctl{} home {} --stop", context.output.gateway, verb.axis);
 }
 
 Error explained(Error failure, const verb::Home& verb, Context& context) {

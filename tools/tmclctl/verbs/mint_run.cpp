@@ -85,8 +85,8 @@ class Audience {
     for (const auto& axis : axes_) {
       const auto stopped = context_.call(api::axis::Stop{axis});
       if (stopped) continue;
-      context_.output.err << "tmclctl: " << axis << " NOT stopped: " << error_text(stopped.error())
-                          << '\n';
+      context_.output.err << "tmclctl: " << axis << " NOT stopped: "
+                          << error_text(stopped.error(), context_.output.gateway) << '\n';
     }
   }
   /// Those of the groups that were not heard of.

@@ -137,8 +137,9 @@ Result<ExitCode> run(const verb::Scan& verb, Context& context) {
     return exit_of(*result);
   }
   for (const auto& [bus, failure] : result->failed)
-    output.err << "tmclctl: " << bus << " was not scanned: " << error_text(failure) << '\n';
-  if (!result->modules.empty() || !result->failed.empty()) found.end(result->modules, told);
+    output.err << "tmclctl: " << bus << " was not scanned: " << error_text(failure, output.gateway)
+               << '\n';
+  if (!result->modules.empty()) found.end(result->modules, told);
   print_silence(*result, output);
   return exit_of(*result);
 }
@@ -158,8 +159,13 @@ Reading read_range(const std::string& text, ScanRange& range) {
   const auto dash = text.find('-');
   const auto first = text.substr(0, dash);
   const auto last = dash == std::string::npos ? first : text.substr(dash + 1);
-  return number(range.first, 0, greatest_address)(first).and_then(
-      [&] { return number(range.last, range.first, greatest_address)(last); });
+  return number(range.first, 0, greatest_address)(first)
+      .and_then([&] { return number(range.last, 0, greatest_address)(last); })
+      .and_then([&]() -> Reading {
+        if (range.first <= range.last) return {};
+        return tl::unexpected(
+            fmt::format("{} goes down; meant is perhaps {}-{}", text, range.last, range.first));
+      });
 }
 
 constexpr const char* scan_help = R"(

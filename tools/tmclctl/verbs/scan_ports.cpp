@@ -49,8 +49,8 @@ Result<std::string> device_of(const Where& where) {
         "needs_direct",
         "'scan --bauds' needs a port for itself: tmcld has its ports at the baud rates of its "
         "configuration",
-        "stop tmcld (sudo systemctl stop tmcld), then `tmclctl --direct serial:DEVICE scan "
-        "--bauds`"));
+        "stop tmcld (sudo systemctl stop tmcld), then 'tmclctl --direct serial:DEVICE scan "
+        "--bauds'"));
   }
   const auto link = attempt(tmcl::parse_link_name(where.direct));
   if (!link) return tl::unexpected(link.error());
@@ -69,7 +69,7 @@ std::vector<std::string> free_devices(Output& output) {
     if (!holder.empty()) {
       output.err << fmt::format("{} is left out: {} holds it\n", link_to(port), holder);
     } else if (port.device.empty()) {
-      output.err << fmt::format("{0} has no baud rate: `tmclctl --direct {0} scan`\n",
+      output.err << fmt::format("{0} has no baud rate: 'tmclctl --direct {0} scan'\n",
                                 link_to(port));
     } else {
       devices.push_back(port.device);

@@ -86,7 +86,8 @@ ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
       failed.push_back(json::object{{"axis", row.axis}, {"error", error_document(*row.error)}});
       exit = std::max(exit, exit_code_of(*row.error));
       if (!output.json)
-        output.err << "tmclctl: " << row.axis << " NOT stopped: " << error_text(*row.error) << '\n';
+        output.err << "tmclctl: " << row.axis
+                   << " NOT stopped: " << error_text(*row.error, output.gateway) << '\n';
     } else {
       stopped.push_back(
           json::object{{"axis", row.axis}, {"milliseconds", row.milliseconds.value_or(0)}});
