@@ -102,7 +102,8 @@ std::optional<Error> check_range(const tmcl::ParameterInfo* row, std::int64_t va
   if (value >= row->minimum && value <= row->maximum) return std::nullopt;
   return param_error("out_of_range", param,
                      std::to_string(value) + " is outside " + std::to_string(row->minimum) + ".." +
-                         std::to_string(row->maximum) + ", the range of " + std::string(row->name));
+                         std::to_string(row->maximum) + ", the range of " + std::string(row->name),
+                     row->unit == "code" ? std::string(row->meaning) : std::string());
 }
 
 std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis,

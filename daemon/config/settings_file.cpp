@@ -19,6 +19,8 @@ class SettingsReader {
   explicit SettingsReader(tmcl::TextProblems& problems) : problems_(problems) {}
 
   tmcl::Settings read(const toml::table& file) {
+    if (!file.contains("model"))
+      throw Wrong{file.source().begin, "there is no 'model': whose settings are these?"};
     settings_.model = &model_of(file);
     infos_ = settings_of(*settings_.model);
     for (const auto& [key, node] : file) read_key(key, node);

@@ -136,6 +136,14 @@ TEST_F(DaemonApi, RefusesWithoutTouchingAModule) {
   }
 }
 
+TEST_F(DaemonApi, ListsTheCodesOfAParameterThatHasOthers) {
+  const auto error = client.error(
+      "global.set",
+      {{"bus", "bench"}, {"address", 1}, {"parameter", "serial_baud_rate"}, {"value", 57'600}});
+  EXPECT_EQ(text(error.at("data").at("name")), "out_of_range");
+  EXPECT_THAT(text(error.at("data").at("hint")), HasSubstr("5 57600"));
+}
+
 TEST_F(DaemonApi, RefusesAMoveByThatEndsOutsideTheRange) {
   daemon.on_reactor([&] {
     daemon.wire().modules.at(1).parameter(0, 1) = 8'388'000;

@@ -131,7 +131,8 @@ SettingsAnswer<void> be_at_rest(const SettingsTask& task, GatewayAxis& axis) {
   const auto state = co_await run(task, tmcl::verbs::state(axis.address()));
   if (!state) co_return tl::unexpected(state.error());
   if (state->velocity.value != 0)
-    co_return impossible("axis '" + axis.name() + "' moves, and nothing was set", "stop it first");
+    co_return impossible("axis '" + axis.name() + "' moves, and nothing was set",
+                         "stop it, and wait until it stands");
   const auto turns = co_await turns_by_velocity(task, axis);
   if (!turns) co_return tl::unexpected(turns.error());
   if (*turns) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "output/progress_line.hpp"
 #include "tmcl/api/system.hpp"
 
 namespace tmclctl {
@@ -131,7 +132,12 @@ Result<ScanResult> scan(ScanRange range, const ScanNews& news, Context& context)
 
 Result<std::vector<ModuleRow>> modules_of(Context& context) {
   if (context.gateway.axes_from == AxesFrom::scan) {
-    auto found = scan({}, {}, context);
+    ProgressLine line(context.output);
+    ScanNews news;
+    news.progress = [&line](const std::string& bus, std::size_t asked, std::size_t of) {
+      line.show(fmt::format("looking for modules on {}: {} of {} addresses", bus, asked, of));
+    };
+    auto found = scan({}, news, context);
     if (!found) return tl::unexpected(found.error());
     if (!found->failed.empty()) return tl::unexpected(found->failed.front().error);
     return std::move(found->modules);
@@ -167,10 +173,10 @@ Result<api::bus::Bus> bus_named(const std::string& name, Context& context) {
   }
   if (name.empty()) {
     return tl::unexpected(
-        usage_error("missing_bus", "tmcld has several buses: which one?", "--bus " + names));
+        usage_error("missing_bus", "there are several buses: which one?", "--bus " + names));
   }
   return tl::unexpected(
-      usage_error("unknown_bus", fmt::format("tmcld has no bus '{}'", name), "It has: " + names));
+      usage_error("unknown_bus", fmt::format("there is no bus '{}'", name), "There is: " + names));
 }
 
 Result<api::OnModule> on_module(const ModuleName& module, Context& context) {

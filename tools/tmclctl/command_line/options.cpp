@@ -58,9 +58,10 @@ Examples:
 
 Exit codes:
     0  done
-    1  the module or tmcld refused, and nothing changed; or the output cannot be written
+    1  the module or tmcld refused, and nothing changed; or it was done, and the output could not be
+       written
     2  the command line asks for something that does not exist or is out of range, or a file that it
-       names is wrong; nothing was sent
+       names is wrong or cannot be written; nothing was sent
     3  not sent: no connection, no answer from the module lately; or a reading without an answer;
        nothing changed
     4  outcome unknown: sent, but no answer; it may have been executed

@@ -68,7 +68,7 @@ Result<ExitCode> load(const verb::Upload& verb, const api::program::Load& progra
   } else {
     context.output.out << fmt::format(
         "{} commands in module {}{}{}\n", loaded->commands, verb.module,
-        verb.no_compare ? ", not compared" : ", compared", verb.run ? ", running" : "");
+        verb.no_compare ? ", not compared" : ", compared", verb.run ? ", started" : "");
   }
   return ExitCode::done;
 }

@@ -284,7 +284,10 @@ void tell(const verb::SettingsLoad& verb, const api::settings::Loaded& loaded, O
 }
 
 Result<ExitCode> run(const verb::SettingsLoad& verb, Context& context) {
-  const auto toml = text_of(verb.file);
+  auto toml = text_of(verb.file);
+  if (!toml && is_file(verb.module) && !is_file(verb.file))
+    toml.error().hint =
+        fmt::format("The file comes first: settings load {} {}", verb.module, verb.file);
   if (!toml) return tl::unexpected(toml.error());
   // All problems, each with its line.
   const auto parsed = settings_in(*toml, verb.file, context.output);

@@ -157,7 +157,7 @@ Result<std::string> bus_of(const verb::Trace& verb, Context& context) {
   if (verb.bus.empty())
     return tl::unexpected(usage_error("missing_bus", "which bus of tmcld?", hint));
   return tl::unexpected(
-      usage_error("unknown_bus", fmt::format("tmcld has no bus '{}'", verb.bus), hint));
+      usage_error("unknown_bus", fmt::format("there is no bus '{}'", verb.bus), hint));
 }
 
 /// What goes over the bus from now on, until a signal ends it.
