@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "motion/path/gcode_block.hpp"
 #include "motion/path/text_cursor.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/plan/path_file.hpp"
@@ -26,121 +27,11 @@ constexpr double most_radius_slacks = 100;
 constexpr double least_sweep = 5e-7;
 constexpr double least_arc_mm = 5e-4;
 
-struct Wrong {
-  std::size_t column;
-  std::string message;
-  std::string_view unknown_letter{};  ///< If it is about a word that begins so.
-  /// Whether it is not known any more what the lines behind it would do.
-  bool confuses = false;
-};
-template <class T>
-using Part = tl::expected<T, Wrong>;
-
-tl::unexpected<Wrong> wrong(std::size_t column, std::string message) {
-  return tl::unexpected(Wrong{column, std::move(message)});
-}
-
-/// A letter and its number.
-struct Word {
-  double value = 0;
-  std::size_t column = 0;
-};
-
-/// One line: its words by letter; of G and M there may be several. What is no word of the program
-/// is left out of it.
-class Block {
- public:
-  explicit Block(std::string_view line) {
-    TextCursor cursor(line);
-    while (skip_nothings(cursor)) add(cursor);
-  }
-
-  const std::vector<Wrong>& wrongs() const { return wrongs_; }
-  const std::vector<Word>& g() const { return g_; }
-  const std::vector<Word>& m() const { return m_; }
-  bool has(char letter) const { return find(letter).has_value(); }
-  bool has_any(std::string_view letters) const {
-    return std::ranges::any_of(letters, [&](char letter) { return has(letter); });
-  }
-  const std::optional<Word>& find(char letter) const {
-    return words_[static_cast<std::size_t>(letter - 'A')];
-  }
-  /// Where the first of these stands.
-  std::size_t column_of(std::string_view letters) const {
-    for (const char letter : letters) {
-      if (has(letter)) return find(letter)->column;
-    }
-    return 1;
-  }
-
- private:
-  static constexpr std::string_view known_letters = "GXYZABCIJRPFMN";
-
-  /// Blanks and comments; false at the end.
-  bool skip_nothings(TextCursor& cursor) {
-    while (true) {
-      cursor.skip_blanks();
-      if (cursor.at_end() || cursor.peek() == ';') return false;
-      if (cursor.peek() != '(') return true;
-      const auto end = cursor.rest().find(')');
-      if (end == std::string_view::npos) {
-        wrongs_.push_back({cursor.column(), "')' is missing", {}, true});
-        return false;
-      }
-      cursor.skip(end + 1);
-    }
-  }
-
-  /// Also up to a comment: an expression such as #1=[2*3] is one word.
-  static std::string_view up_to_blank(const TextCursor& cursor) {
-    return cursor.rest().substr(0, cursor.rest().find_first_of(" \t\r\f\v;("));
-  }
-
-  void add(TextCursor& cursor) {
-    const auto column = cursor.column();
-    const auto text = cursor.rest();
-    const auto word = up_to_blank(cursor);
-    const char letter = upper(cursor.peek());
-    cursor.skip();
-    cursor.skip_blanks();
-    const auto value = cursor.take_number(std::chars_format::fixed);
-    if (known_letters.find(letter) == std::string_view::npos) {
-      const bool is_word = value && is_letter(letter);
-      const auto taken = is_word ? text.substr(0, cursor.column() - column) : word;
-      if (!is_word) cursor.skip_to(column + word.size());
-      wrongs_.push_back({column, fmt::format("'{}' is not known here", shown(taken)),
-                         text.substr(0, 1), !is_word});
-    } else if (!value) {
-      add_missing_number(cursor, column, letter);
-    } else {
-      add(letter, {*value, column});
-    }
-  }
-
-  void add_missing_number(TextCursor& cursor, std::size_t column, char letter) {
-    auto message = fmt::format("a number is missing behind {}", letter);
-    // What stands there instead may be long, such as #1 or [2*3].
-    const auto instead = is_letter(cursor.peek()) ? std::string_view{} : up_to_blank(cursor);
-    if (!instead.empty()) message += fmt::format("; '{}' is none", shown(instead));
-    cursor.skip(instead.size());
-    wrongs_.push_back({column, std::move(message), instead.substr(0, 1), true});
-  }
-
-  void add(char letter, const Word& read) {
-    if (letter == 'G' || letter == 'M') return (letter == 'G' ? g_ : m_).push_back(read);
-    auto& word = words_[static_cast<std::size_t>(letter - 'A')];
-    if (word) {
-      wrongs_.push_back(
-          {read.column, fmt::format("{} stands twice on this line", letter), {}, true});
-    }
-    word = read;
-  }
-
-  std::vector<Wrong> wrongs_;
-  std::vector<Word> g_;
-  std::vector<Word> m_;
-  std::array<std::optional<Word>, 26> words_{};
-};
+using gcode::Block;
+using gcode::Part;
+using gcode::Word;
+using gcode::Wrong;
+using gcode::wrong;
 
 /// What a line's G words ask for.
 struct Codes {
@@ -433,75 +324,6 @@ bool is_tape_mark(std::string_view line) {
   return mark && cursor.at_end();
 }
 
-/// Replaces one arc after another.
-class Flattener {
- public:
-  Flattener(const Path& path, double tolerance)
-      : path_(path), tolerance_(tolerance), at_(path.start) {}
-
-  tl::expected<Path, std::string> run() {
-    flat_.axes = path_.axes;
-    flat_.start = path_.start;
-    flat_.length_axes = path_.length_axes;
-    for (const auto& element : path_.elements) {
-      const auto* arc = std::get_if<ArcTo>(&element);
-      if (arc == nullptr) {
-        flat_.elements.push_back(element);
-      } else if (const auto chords = chords_of(*arc)) {
-        add_chords(*arc, *chords);
-      } else {
-        return tl::unexpected(fmt::format("line {}: an arc of so many chords; {} at most",
-                                          arc->line, most_chords_of_an_arc));
-      }
-      if (const auto* line = std::get_if<LineTo>(&element)) at_ = line->target;
-      if (arc != nullptr) at_ = arc->target;
-      if (flat_.elements.size() > most_elements)
-        return tl::unexpected(
-            fmt::format("the path is too long; {} elements at most", most_elements));
-    }
-    return std::move(flat_);
-  }
-
- private:
-  // A chord of angle w is r * (1 - cos(w/2)) away from its arc.
-  std::optional<std::size_t> chords_of(const ArcTo& arc) const {
-    // A circle in fewer chords would be a line.
-    constexpr double widest = std::numbers::pi / 2;
-    const double radius =
-        std::max(std::hypot(at_[0] - arc.centre_x, at_[1] - arc.centre_y),
-                 std::hypot(arc.target[0] - arc.centre_x, arc.target[1] - arc.centre_y));
-    // As 1 - cos(x) = 2 sin^2(x/2), which keeps its digits for small tolerances.
-    const double sine = std::sqrt(std::min(1.0, tolerance_ / radius / 2));
-    const double angle = std::min(widest, 4 * std::asin(sine));
-    const double count = std::ceil(std::abs(arc.sweep) / angle - 1e-9);
-    if (!(count <= static_cast<double>(most_chords_of_an_arc))) return std::nullopt;
-    return std::max<std::size_t>(1, static_cast<std::size_t>(count));
-  }
-
-  void add_chords(const ArcTo& arc, std::size_t count) {
-    const double begin = std::hypot(at_[0] - arc.centre_x, at_[1] - arc.centre_y);
-    const double end = std::hypot(arc.target[0] - arc.centre_x, arc.target[1] - arc.centre_y);
-    const double first = std::atan2(at_[1] - arc.centre_y, at_[0] - arc.centre_x);
-    for (std::size_t i = 1; i < count; ++i) {
-      const double part = static_cast<double>(i) / static_cast<double>(count);
-      const double radius = begin + (end - begin) * part;
-      const double angle = first + arc.sweep * part;
-      LineTo chord{at_, arc.feed, {}, arc.line};
-      for (std::size_t axis = 2; axis < most_axes; ++axis)
-        chord.target[axis] += (arc.target[axis] - at_[axis]) * part;
-      chord.target[0] = arc.centre_x + radius * std::cos(angle);
-      chord.target[1] = arc.centre_y + radius * std::sin(angle);
-      flat_.elements.emplace_back(chord);
-    }
-    flat_.elements.emplace_back(LineTo{arc.target, arc.feed, {}, arc.line});
-  }
-
-  const Path& path_;
-  double tolerance_;
-  Point at_;
-  Path flat_;
-};
-
 }  // namespace
 
 tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start) {
@@ -512,13 +334,6 @@ tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& 
   });
   if (!problems.empty()) return tl::unexpected(problems.take());
   return interpreter.finish();
-}
-
-tl::expected<Path, std::string> flatten(const Path& path, double tolerance) {
-  if (!(tolerance > 0) || !std::isfinite(tolerance))
-    return tl::unexpected(
-        fmt::format("the tolerance must be a finite number above 0, not {}", tolerance));
-  return Flattener(path, tolerance).run();
 }
 
 }  // namespace tmcl::plan::path_file
