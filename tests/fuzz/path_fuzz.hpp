@@ -19,6 +19,7 @@ inline void look_at(const plan::path_file::LineTo& line) {
 }
 inline void look_at(const plan::path_file::ArcTo& arc) {
   require(std::isfinite(arc.sweep) && arc.sweep != 0, "an arc turns");
+  require(std::isfinite(arc.feed) && arc.feed > 0, "forwards");
 }
 inline void look_at(const plan::path_file::Dwell& dwell) {
   require(dwell.duration >= 0, "a pause passes");
@@ -26,6 +27,14 @@ inline void look_at(const plan::path_file::Dwell& dwell) {
 
 inline void look_at(const plan::path_file::Path& path) {
   require(!path.axes.empty() && path.axes.size() <= plan::path_file::most_axes, "there are axes");
+  require(path.remarks.size() <= plan::path_file::most_remarks, "not all is told");
+  for (const auto& element : path.elements) {
+    const auto* arc = std::get_if<plan::path_file::ArcTo>(&element);
+    if (arc == nullptr) continue;
+    require(arc->plane[0] != arc->plane[1] && arc->plane[0] < path.axes.size() &&
+                arc->plane[1] < path.axes.size(),
+            "an arc is in a plane of the axes");
+  }
   for (const auto& element : path.elements)
     std::visit([](const auto& one) { look_at(one); }, element);
 }

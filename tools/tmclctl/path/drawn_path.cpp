@@ -22,8 +22,9 @@ DrawnPath::DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course&
     if (line == nullptr && arc == nullptr) continue;
     if (line != nullptr) time += line->duration.value_or(0);
     const auto target = line != nullptr ? line->target : arc->target;
-    part_of_line_.emplace(line != nullptr ? line->line : arc->line, parts_.size());
-    parts_.push_back({here, std::move(element), time});
+    const auto number = line != nullptr ? line->line : arc->line;
+    part_of_line_.emplace(number, parts_.size());
+    parts_.push_back({here, std::move(element), time, number});
     here = target;
   }
 }
@@ -31,7 +32,15 @@ DrawnPath::DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course&
 double DrawnPath::distance(double time, const AxisValues& position) {
   if (parts_.empty()) return 0;
   find_part(time);
-  const auto& part = parts_[part_];
+  double least = from_part(parts_[part_], position);
+  // G28 makes two lines of one in the file.
+  for (auto next = part_ + 1; next < parts_.size() && parts_[next].line == parts_[part_].line;
+       ++next)
+    least = std::min(least, from_part(parts_[next], position));
+  return least;
+}
+
+double DrawnPath::from_part(const Part& part, const AxisValues& position) const {
   if (const auto* arc = std::get_if<ArcTo>(&part.element)) return from_arc(part, *arc, position);
   return from_line(part, std::get<LineTo>(part.element).target, position);
 }
@@ -62,22 +71,25 @@ double DrawnPath::from_line(const Part& part, const Point& target, const Point& 
 
 double DrawnPath::from_arc(const Part& part, const ArcTo& arc, const Point& position) const {
   constexpr double turn = 2 * std::numbers::pi;
+  const auto [one, other] = arc.plane;
   const auto angle_of = [&](const Point& point) {
-    return std::atan2(point[1] - arc.centre_y, point[0] - arc.centre_x);
+    return std::atan2(point[arc.plane[1]] - arc.centre[1], point[arc.plane[0]] - arc.centre[0]);
   };
   const auto radius_of = [&](const Point& point) {
-    return std::hypot(point[0] - arc.centre_x, point[1] - arc.centre_y);
+    return std::hypot(point[arc.plane[0]] - arc.centre[0], point[arc.plane[1]] - arc.centre[1]);
   };
   const double angle = angle_of(position) - angle_of(part.from);
   double least = std::numeric_limits<double>::infinity();
   // Which of its turns it is: one that begins where it ends has two at that place.
-  for (const double turns : {-2.0, -1.0, 0.0, 1.0, 2.0}) {
-    const double share = std::clamp((angle + turns * turn) / arc.sweep, 0.0, 1.0);
+  const double turns = std::ceil(std::abs(arc.sweep) / turn) + 1;
+  for (double turned = -turns; turned <= turns; ++turned) {
+    const double share = std::clamp((angle + turned * turn) / arc.sweep, 0.0, 1.0);
     const double radius = std::lerp(radius_of(part.from), radius_of(arc.target), share);
     const double place = angle_of(part.from) + arc.sweep * share;
-    double off = std::hypot(position[0] - arc.centre_x - radius * std::cos(place),
-                            position[1] - arc.centre_y - radius * std::sin(place));
-    for (std::size_t axis = 2; axis < axes_; ++axis) {
+    double off = std::hypot(position[one] - arc.centre[0] - radius * std::cos(place),
+                            position[other] - arc.centre[1] - radius * std::sin(place));
+    for (std::size_t axis = 0; axis < axes_; ++axis) {
+      if (axis == arc.plane[0] || axis == arc.plane[1]) continue;
       off = std::hypot(off, position[axis] - std::lerp(part.from[axis], arc.target[axis], share));
     }
     least = std::min(least, off);

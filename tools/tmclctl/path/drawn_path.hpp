@@ -27,10 +27,12 @@ class DrawnPath {
   struct Part {
     Point from{};
     tmcl::plan::path_file::Element element;
-    double end = 0;  ///< Of the line of a table with times, in seconds.
+    double end = 0;        ///< Of the line of a table with times, in seconds.
+    std::size_t line = 0;  ///< Of the file.
   };
 
   void find_part(double time);
+  double from_part(const Part& part, const tmcl::plan::AxisValues& position) const;
   double from_line(const Part& part, const Point& target, const Point& position) const;
   double from_arc(const Part& part, const tmcl::plan::path_file::ArcTo& arc,
                   const Point& position) const;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,6 +23,8 @@ namespace tmcl::plan::path_file {
 constexpr std::size_t most_axes = 6;
 constexpr std::size_t most_elements = 1'000'000;
 constexpr std::size_t most_chords_of_an_arc = 100'000;
+constexpr int most_turns_of_an_arc = 1'000;
+constexpr std::size_t most_remarks = 100;
 
 /// In the order of Path::axes; what is behind those is 0.
 using Point = std::array<double, most_axes>;
@@ -38,14 +41,14 @@ struct LineTo {
   bool operator==(const LineTo&) const = default;
 };
 
-/// In the plane of the first two axes; the others go along evenly (a helix).
+/// In the plane of two axes; the others go along evenly (a helix).
 struct ArcTo {
   Point target{};
-  double centre_x = 0;
-  double centre_y = 0;
-  double sweep = 0;  ///< In radians, counter-clockwise; never 0, -2 pi to 2 pi.
+  std::array<double, 2> centre{};  ///< Along the two axes of the plane.
+  double sweep = 0;  ///< In radians, from the first of them to the second; never 0. 2 pi is a turn.
   double feed = 0;   ///< Units/s along the arc or helix, of the axes that make its length.
   std::size_t line = 0;
+  std::array<std::size_t, 2> plane{0, 1};
 
   bool operator==(const ArcTo&) const = default;
 };
@@ -66,6 +69,8 @@ struct Path {
   /// The first so many axes make the length of a line, and its feed is about that; the others go
   /// along. Where none of the first moves, all do. mm and degrees have no common length.
   std::size_t length_axes = most_axes;
+  /// What the file asks for and is not carried out, each once, where it first stands.
+  TextProblems remarks{};
 
   bool operator==(const Path&) const = default;
 };
@@ -83,22 +88,43 @@ tl::expected<Path, TextProblems> read_csv(std::string_view text);
 
 constexpr std::string_view gcode_axes = "XYZABC";
 
-/// G0, G1, G2, G3 (with I and J or R), G4 P, G20, G21, G90, G91, F and M2; axes X Y Z A B C. Also
-/// N, a line of % alone, and comments in ( ) or behind a semicolon, which mean nothing. Lengths
-/// become mm, X Y Z from inches after G20; A B C are degrees. F is in units per minute: of X Y Z if
-/// one of them moves, and A B C arrive with them; otherwise of A B C. P is in seconds. At first G21
-/// and G90 hold, and nothing is known of F. Nothing behind M2 is read. A move that goes nowhere is
-/// left out; positions that differ by rounding are the same. An arc by I and J that sweeps less
-/// than 5e-7 rad is a whole turn. Its ends may be so differently far from its centre as LinuxCNC
-/// lets them: 0.0283 mm or 0.00283 inch, or 0.1 % up to a hundred times that.
+/// What becomes of words that are not known: problems, or remarks.
+enum class Unknowns : std::uint8_t { refused, skipped };
+
+/// What CAM programs write, as LinuxCNC has it:
+/// - G0, G1, G2, G3 (with I J K or R, and P turns) in the planes G17, G18, G19; G4 P; G80;
+/// - G20, G21; G90, G91 for positions, G90.1, G91.1 for centres; F with G93, G94, G95;
+/// - G53, G54 to G59, G10 L2 and L20, G52, G92, G92.1 to G92.3;
+/// - G28, G30: by the axes' point on the line to the stored one, which is the zero of the axes
+///   until G28.1 or G30.1 stores another; without axes all that the program moves go there;
+/// - G61, G61.1: axes stand between movements, unless a line goes straight on after G61; G64;
+/// - G40, G43 H0, G49, which change nothing here;
+/// - M0 and M1, where the axes stand and go on; M2 and M30, behind which nothing is read;
+/// - N, O with a number, lines of %, of which the second ends the program, comments in ( ) or
+///   behind a semicolon.
+/// Axes are X Y Z A B C. Lengths become mm, X Y Z from inches after G20; A B C are degrees. F is in
+/// units per minute: of X Y Z if one of them moves, and A B C arrive with them; otherwise of A B C.
+/// P of G4 is in seconds. At first G17, G21, G54, G64, G90, G91.1 and G94 hold, and nothing is
+/// known of F. A move that goes nowhere is left out; positions that differ by rounding are the
+/// same. An arc by its centre that sweeps less than 5e-7 rad is a whole turn. Its ends may be so
+/// differently far from its centre as LinuxCNC lets them: 0.0283 mm or 0.00283 inch, or 0.1 % up to
+/// a hundred times that.
 ///
-/// The axes are those that the program names, in the order X Y Z A B C, X and Y together if there
-/// is an arc. `start` is in the order X Y Z A B C, whatever the program names.
+/// Remarks: S, T, M3 to M9, P of G64, M0, M1, and a coordinate system that was not set.
+///
+/// The axes are those that the program moves, in the order X Y Z A B C, both of a plane if there is
+/// an arc in it. `start` is in the order X Y Z A B C, whatever the program moves.
 ///
 /// All that is wrong, by line, up to most_text_problems; what is not known here once for each
 /// letter or code. Behind a line that cannot be followed, no movement is looked at: what is wrong
 /// with it may follow from that line.
-tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start = {});
+///
+/// `Unknowns::skipped`: words that are not known become remarks. With a G code that is not known
+/// the axes of its line are skipped, unless a known movement stands there, and with one for
+/// movements those of the lines behind it, up to the next that is known. Expressions and what is no
+/// word stay problems.
+tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start = {},
+                                            Unknowns unknowns = Unknowns::refused);
 
 /// With lines for the arcs, nowhere farther from them than this. A sentence if that takes more than
 /// most_chords_of_an_arc or most_elements, or if the tolerance is none.

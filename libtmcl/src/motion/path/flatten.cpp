@@ -9,6 +9,10 @@
 namespace tmcl::plan::path_file {
 namespace {
 
+double radius_at(const Point& place, const ArcTo& arc) {
+  return std::hypot(place[arc.plane[0]] - arc.centre[0], place[arc.plane[1]] - arc.centre[1]);
+}
+
 /// Replaces one arc after another.
 class Flattener {
  public:
@@ -19,6 +23,7 @@ class Flattener {
     flat_.axes = path_.axes;
     flat_.start = path_.start;
     flat_.length_axes = path_.length_axes;
+    flat_.remarks = path_.remarks;
     for (const auto& element : path_.elements) {
       const auto* arc = std::get_if<ArcTo>(&element);
       if (arc == nullptr) {
@@ -43,9 +48,7 @@ class Flattener {
   std::optional<std::size_t> chords_of(const ArcTo& arc) const {
     // A circle in fewer chords would be a line.
     constexpr double widest = std::numbers::pi / 2;
-    const double radius =
-        std::max(std::hypot(at_[0] - arc.centre_x, at_[1] - arc.centre_y),
-                 std::hypot(arc.target[0] - arc.centre_x, arc.target[1] - arc.centre_y));
+    const double radius = std::max(radius_at(at_, arc), radius_at(arc.target, arc));
     // As 1 - cos(x) = 2 sin^2(x/2), which keeps its digits for small tolerances.
     const double sine = std::sqrt(std::min(1.0, tolerance_ / radius / 2));
     const double angle = std::min(widest, 4 * std::asin(sine));
@@ -55,18 +58,19 @@ class Flattener {
   }
 
   void add_chords(const ArcTo& arc, std::size_t count) {
-    const double begin = std::hypot(at_[0] - arc.centre_x, at_[1] - arc.centre_y);
-    const double end = std::hypot(arc.target[0] - arc.centre_x, arc.target[1] - arc.centre_y);
-    const double first = std::atan2(at_[1] - arc.centre_y, at_[0] - arc.centre_x);
+    const auto [one, other] = arc.plane;
+    const double begin = radius_at(at_, arc);
+    const double end = radius_at(arc.target, arc);
+    const double first = std::atan2(at_[other] - arc.centre[1], at_[one] - arc.centre[0]);
     for (std::size_t i = 1; i < count; ++i) {
       const double part = static_cast<double>(i) / static_cast<double>(count);
       const double radius = begin + (end - begin) * part;
       const double angle = first + arc.sweep * part;
       LineTo chord{at_, arc.feed, {}, arc.line};
-      for (std::size_t axis = 2; axis < most_axes; ++axis)
+      for (std::size_t axis = 0; axis < most_axes; ++axis)
         chord.target[axis] += (arc.target[axis] - at_[axis]) * part;
-      chord.target[0] = arc.centre_x + radius * std::cos(angle);
-      chord.target[1] = arc.centre_y + radius * std::sin(angle);
+      chord.target[one] = arc.centre[0] + radius * std::cos(angle);
+      chord.target[other] = arc.centre[1] + radius * std::sin(angle);
       flat_.elements.emplace_back(chord);
     }
     flat_.elements.emplace_back(LineTo{arc.target, arc.feed, {}, arc.line});

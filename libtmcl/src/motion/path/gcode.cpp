@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "motion/path/gcode_arc.hpp"
 #include "motion/path/gcode_block.hpp"
+#include "motion/path/gcode_codes.hpp"
+#include "motion/path/gcode_origins.hpp"
 #include "motion/path/text_cursor.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/plan/path_file.hpp"
@@ -12,167 +15,345 @@
 namespace tmcl::plan::path_file {
 namespace {
 
-constexpr std::string_view axis_letters = gcode_axes;
-constexpr std::size_t linear_axes = 3;
-constexpr double mm_of_an_inch = 25.4;
-constexpr double seconds_of_a_minute = 60;
-// An arc's ends may be so differently far from its centre; or so, as a part of the radius, up to a
-// hundred times as much. As LinuxCNC has it: centre and ends are rounded to 0.01 mm or 0.001 inch.
-constexpr double radius_slack_mm = 2 * 0.01 * std::numbers::sqrt2;
-constexpr double radius_slack_inch = 2 * 0.001 * std::numbers::sqrt2;
-constexpr double relative_radius_slack = 1e-3;
-constexpr double most_radius_slacks = 100;
-// An arc that sweeps less is a whole turn, as with grbl, unless its ends are farther apart than
-// what a file's last digit says.
-constexpr double least_sweep = 5e-7;
-constexpr double least_arc_mm = 5e-4;
-
 using gcode::Block;
+using gcode::Codes;
+using gcode::Group;
 using gcode::Part;
 using gcode::Word;
 using gcode::Wrong;
 using gcode::wrong;
 
-/// What a line's G words ask for.
-struct Codes {
-  std::optional<int> motion{};
-  bool dwell = false;
-};
+constexpr std::string_view axis_letters = gcode_axes;
+constexpr std::string_view centre_letters = "IJK";
+constexpr std::string_view ways_of_arcs = "IJKR";
+constexpr std::size_t linear_axes = 3;
+constexpr double seconds_of_a_minute = 60;
+
+/// Whether a line from `at` goes on as one from `before` to it did.
+bool goes_straight_on(const Point& before, const Point& at, const Point& target) {
+  double one = 0;
+  double other = 0;
+  double both = 0;
+  for (std::size_t i = 0; i < most_axes; ++i) {
+    const double came = at[i] - before[i];
+    const double goes = target[i] - at[i];
+    one += came * came;
+    other += goes * goes;
+    both += came * goes;
+  }
+  constexpr double rounding = 1e-12;
+  return both > 0 && both * both >= (1 - rounding) * one * other;
+}
 
 class Interpreter {
  public:
-  Interpreter(const Point& start, ProblemList& problems) : problems_(problems), at_(start) {
+  Interpreter(const Point& start, Unknowns unknowns, ProblemList& problems)
+      : problems_(problems), unknowns_(unknowns), at_(start) {
     path_.start = start;
   }
 
   /// False after the end of the program.
   bool run(std::string_view line, std::size_t number) {
     line_ = number;
+    hides_words_ = false;
+    if (is_tape_mark(line)) return !std::exchange(has_begun_, true);
     const Block block(line);
     for (const auto& wrong : block.wrongs()) complain(wrong);
-    const auto codes = take_codes(block);
+    const Codes codes(block);
+    for (const auto& wrong : codes.wrongs()) complain(wrong);
+    hides_words_ = codes.hide_words();
+    const bool goes_on = take_m_words(block);
+    take_modes(codes, block);
     complain(take_feed(block));
     // Of a line that is not understood it is not said what its movement lacks.
-    if (codes && !confused_) complain(codes->dwell ? dwell(block) : move(block));
+    if (!confused_) complain(carry_out(block, codes));
+    if (stands_) add(Dwell{0, line_});
+    stands_ = false;
     if (path_.elements.size() > most_elements) {
       problems_.add(line_, 1,
                     fmt::format("the path is too long; {} elements at most", most_elements));
       return false;
     }
-    return take_end(block);
+    return goes_on;
   }
 
   Path finish() {
     keep_only_used_axes();
+    path_.remarks = remarks_.take();
     return std::move(path_);
   }
 
  private:
+  // ---- what is told ----
+
   void complain(const Wrong& wrong) {
-    confused_ = confused_ || wrong.confuses;
+    const bool skipped = wrong.may_be_skipped && unknowns_ == Unknowns::skipped;
+    confused_ = confused_ || (wrong.confuses && !skipped);
     if (!wrong.unknown_letter.empty()) {
       const char letter = upper(wrong.unknown_letter.front());
       if (unknown_letters_.find(letter) != std::string::npos) return;
       unknown_letters_ += letter;
     }
+    if (skipped) return remarks_.add_once(line_, wrong.column, wrong.message + "; skipped");
     problems_.add_once(line_, wrong.column, wrong.message);
   }
   void complain(const Part<void>& part) {
     if (!part) complain(part.error());
   }
-
-  /// Nothing if they cannot be followed.
-  std::optional<Codes> take_codes(const Block& block) {
-    Codes codes;
-    bool is_understood = true;
-    for (const auto& word : block.g()) {
-      const auto taken = take_code(word, codes);
-      if (taken) continue;
-      complain({word.column, taken.error().message, {}, true});
-      is_understood = false;
-    }
-    if (!is_understood) return std::nullopt;
-    if (codes.motion) motion_ = codes.motion;
-    return codes;
+  void remark(std::size_t column, const std::string& message) {
+    remarks_.add_once(line_, column, message);
   }
 
-  Part<void> take_code(const Word& word, Codes& codes) {
-    if (word.value == 20 || word.value == 21) {
-      unit_ = word.value == 20 ? mm_of_an_inch : 1;
-    } else if (word.value == 90 || word.value == 91) {
-      absolute_ = word.value == 90;
-    } else if (word.value == 4) {
-      codes.dwell = true;
-    } else if (word.value == 0 || word.value == 1 || word.value == 2 || word.value == 3) {
-      if (codes.motion) return wrong(word.column, "there are two movements on this line");
-      codes.motion = static_cast<int>(word.value);
-    } else {
-      return wrong(word.column,
-                   fmt::format("G{} is not known here; known are G0, G1, G2, G3, G4, G20, G21, "
-                               "G90 and G91",
-                               plain_number(word.value, 6)));
-    }
-    if (codes.dwell && codes.motion)
-      return wrong(word.column, "G4 and a movement exclude each other");
-    return {};
+  // ---- modes ----
+
+  void take_modes(const Codes& codes, const Block& block) {
+    if (const auto plane = codes.of(Group::plane)) plane_ = plane_of(*plane);
+    if (const auto unit = codes.of(Group::unit)) unit_ = *unit == 200 ? gcode::mm_of_an_inch : 1;
+    if (const auto distance = codes.of(Group::distance)) absolute_ = *distance == 900;
+    if (const auto centres = codes.of(Group::centres)) absolute_centres_ = *centres == 901;
+    if (const auto system = codes.of(Group::system)) select(*system, codes);
+    if (const auto corners = codes.of(Group::corners)) corners_ = *corners;
+    if (const auto feed = codes.of(Group::feed)) take_feed_mode(*feed);
+    if (codes.are(Group::corners, 640) && block.has('P'))
+      remark(codes.column_of(Group::corners), "P of G64 is not carried out; the tolerance holds");
+    if (codes.are(Group::tool_length, 430)) complain(take_tool_length(codes, block));
+    if (codes.of(Group::end_of_cycles)) motion_.reset(), motion_is_hidden_ = false;
+    if (codes.hide_motion()) motion_.reset(), motion_is_hidden_ = true;
+    if (const auto motion = codes.of(Group::motion))
+      motion_ = *motion / 10, motion_is_hidden_ = false;
+  }
+
+  static std::array<std::size_t, 2> plane_of(int code) {
+    if (code == 170) return {0, 1};
+    return code == 180 ? std::array<std::size_t, 2>{2, 0} : std::array<std::size_t, 2>{1, 2};
+  }
+
+  void select(int code, const Codes& codes) {
+    const auto system = static_cast<std::size_t>(code / 10 - 54);
+    origins_.select(system);
+    if (system == 0 || origins_.is_set(system)) return;
+    remark(codes.column_of(Group::system),
+           fmt::format("G{} was not set here; it counts from the zero of the axes", code / 10));
+  }
+
+  void take_feed_mode(int code) {
+    if (code == feed_mode_) return;
+    feed_mode_ = code;
+    linear_feed_.reset();
+    angular_feed_.reset();
+  }
+
+  static Part<void> take_tool_length(const Codes& codes, const Block& block) {
+    const auto& tool = block.find('H');
+    if (tool && tool->value == 0) return {};
+    Wrong fault{codes.column_of(Group::tool_length),
+                "G43 without H0 is not known here: the length of a tool is not known"};
+    fault.may_be_skipped = true;
+    return tl::unexpected(std::move(fault));
   }
 
   Part<void> take_feed(const Block& block) {
+    line_feed_.reset();
     const auto& feed = block.find('F');
     if (!feed) return {};
-    const double per_second = feed->value / seconds_of_a_minute;
-    linear_feed_ = per_second * unit_;
-    angular_feed_ = per_second;
-    if (!(per_second > 0)) return wrong(feed->column, "F must be above 0");
+    const bool is_above = feed->value / seconds_of_a_minute > 0;
+    // A movement with a feed that is wrong does not lack one.
+    const double number = is_above ? feed->value : 1;
+    if (feed_mode_ == 930) {
+      line_feed_ = number;
+    } else {
+      linear_feed_ = number * unit_;
+      angular_feed_ = number;
+    }
+    if (!is_above) return wrong(feed->column, "F must be above 0");
     return {};
   }
 
-  /// False after M2.
-  bool take_end(const Block& block) {
+  /// False at the end of the program.
+  bool take_m_words(const Block& block) {
     bool ends = false;
     for (const auto& m : block.m()) {
-      ends = ends || m.value == 2;
-      if (m.value != 2)
-        complain({m.column,
-                  fmt::format("M{} is not known here; known is M2", plain_number(m.value, 6))});
+      const auto name = "M" + plain_number(m.value, 6);
+      if (m.value == 2 || m.value == 30) {
+        ends = true;
+      } else if (m.value == 0 || m.value == 1) {
+        stands_ = true;
+        remark(m.column, name + " does not wait: the axes stand and go on");
+      } else if (m.value == std::round(m.value) && m.value >= 3 && m.value <= 9) {
+        remark(m.column, name + " is not carried out");
+      } else {
+        complain(Wrong{m.column, name + " is not known here", {}, false, true});
+        hides_words_ = hides_words_ || unknowns_ == Unknowns::skipped;
+      }
     }
+    for (const char letter : std::string_view("ST")) {
+      if (block.has(letter))
+        remark(block.find(letter)->column, fmt::format("{} is not carried out", letter));
+    }
+    if (block.has('S')) spindle_ = block.find('S')->value;
     return !ends;
   }
 
+  // ---- what a line does ----
+
+  Part<void> carry_out(const Block& block, const Codes& codes) {
+    if (auto found = find_stray(block, codes); !found && !hides_words_) return found;
+    switch (codes.of(Group::once).value_or(-1)) {
+      case 40: return dwell(block);
+      case 100: return set_system(block, codes);
+      case 280: return go_to(stored_[0], block);
+      case 300: return go_to(stored_[1], block);
+      case 520:
+      case 920: return shift(block, codes);
+      case 281: stored_[0] = at_; break;
+      case 301: stored_[1] = at_; break;
+      case 921: origins_.forget_shift(); break;
+      case 922: origins_.suspend_shift(); break;
+      case 923: origins_.restore_shift(); break;
+      default: break;
+    }
+    if (!codes.of(Group::motion) && (hides_words_ || motion_is_hidden_)) return {};
+    const bool of_machine = codes.are(Group::once, 530);
+    if (of_machine && makes_arc(block, codes))
+      return wrong(codes.column_of(Group::once), "G53 needs G0 or G1");
+    return move(block, of_machine);
+  }
+
+  bool makes_arc(const Block& block, const Codes& codes) const {
+    return !codes.take_axes() && (motion_ == 2 || motion_ == 3) &&
+           (block.has_any(axis_letters) || block.has_any(ways_of_arcs));
+  }
+
+  /// Words that belong to a code that the line has not.
+  Part<void> find_stray(const Block& block, const Codes& codes) const {
+    if (motion_is_hidden_ && !codes.of(Group::motion)) return {};
+    const bool arc = makes_arc(block, codes);
+    const bool origins = codes.are(Group::once, 100);
+    const bool dwells = codes.are(Group::once, 40);
+    const bool corners = codes.are(Group::corners, 640);
+    if (dwells && block.has_any("XYZABCIJKR"))
+      return wrong(block.column_of("XYZABCIJKR"), "G4 has P, and nothing else");
+    const int users = int{arc} + int{origins} + int{dwells} + int{corners};
+    if (block.has('P') && users == 0)
+      return wrong(block.find('P')->column, "P belongs to G2, G3, G4, G10 and G64");
+    if (block.has('P') && users > 1)
+      return wrong(block.find('P')->column, "it is not clear what P belongs to");
+    if (!arc && block.has_any(origins ? centre_letters : ways_of_arcs))
+      return wrong(block.column_of(ways_of_arcs), "I, J, K and R belong to G2 and G3");
+    if (block.has('L') && !origins) return stray(block, 'L', "G10");
+    if (block.has('Q') && !corners) return stray(block, 'Q', "G64");
+    if (block.has('H') && !codes.are(Group::tool_length, 430)) return stray(block, 'H', "G43");
+    return {};
+  }
+  static Part<void> stray(const Block& block, char letter, std::string_view code) {
+    return wrong(block.find(letter)->column, fmt::format("{} belongs to {}", letter, code));
+  }
+
   Part<void> dwell(const Block& block) {
-    if (block.has_any("XYZABCIJR"))
-      return wrong(block.column_of("XYZABCIJR"), "G4 has P, and nothing else");
     const auto& pause = block.find('P');
     if (!pause) return wrong(1, "G4 needs P, in seconds");
     if (pause->value < 0) return wrong(pause->column, "P must not be below 0");
-    path_.elements.emplace_back(Dwell{pause->value, line_});
+    add(Dwell{pause->value, line_});
     return {};
   }
 
-  Part<void> move(const Block& block) {
-    if (block.has('P')) return wrong(block.find('P')->column, "P belongs to G4");
+  // ---- where positions count from ----
+
+  double in_mm(const Word& word, std::size_t axis) const {
+    return word.value * (axis < linear_axes ? unit_ : 1);
+  }
+
+  Part<void> set_system(const Block& block, const Codes& codes) {
+    const auto column = codes.column_of(Group::once);
+    const auto& kind = block.find('L');
+    if (!kind || (kind->value != 2 && kind->value != 20))
+      return tl::unexpected(Wrong{column, "G10 is known with L2 and L20 only", {}, true, true});
+    if (block.has('R') && block.find('R')->value != 0)
+      return wrong(block.find('R')->column, "coordinates that are turned are not known here");
+    const auto& number = block.find('P');
+    const double most = gcode::Origins::systems;
+    if (!number || number->value != std::round(number->value) || number->value < 0 ||
+        number->value > most) {
+      return wrong(number ? number->column : column,
+                   "G10 needs P: 1 to 6 for G54 to G59, or 0 for the one that holds");
+    }
+    const auto system =
+        number->value == 0 ? origins_.selected() : static_cast<std::size_t>(number->value) - 1;
+    for (std::size_t i = 0; i < axis_letters.size(); ++i) {
+      const auto& word = block.find(axis_letters[i]);
+      if (!word) continue;
+      if (kind->value == 2) {
+        origins_.set(system, i, in_mm(*word, i));
+      } else {
+        origins_.set_by_place(system, i, at_[i], in_mm(*word, i));
+      }
+    }
+    return {};
+  }
+
+  Part<void> shift(const Block& block, const Codes& codes) {
+    const bool by_place = codes.are(Group::once, 920);
+    if (!block.has_any(axis_letters)) {
+      return wrong(codes.column_of(Group::once),
+                   fmt::format("{} needs an axis", by_place ? "G92" : "G52"));
+    }
+    for (std::size_t i = 0; i < axis_letters.size(); ++i) {
+      const auto& word = block.find(axis_letters[i]);
+      if (!word) continue;
+      if (by_place) {
+        origins_.shift_by_place(i, at_[i], in_mm(*word, i));
+      } else {
+        origins_.shift(i, in_mm(*word, i));
+      }
+    }
+    return {};
+  }
+
+  // ---- movements ----
+
+  Part<void> move(const Block& block, bool of_machine) {
     const bool arc = motion_ == 2 || motion_ == 3;
-    if (!arc && block.has_any("IJR"))
-      return wrong(block.column_of("IJR"), "I, J and R belong to G2 and G3");
-    if (!block.has_any(axis_letters) && !block.has_any("IJR")) return {};
+    if (!block.has_any(axis_letters) && !(arc && block.has_any(ways_of_arcs))) return {};
     if (!motion_) return wrong(block.column_of(axis_letters), "G0, G1, G2 or G3 must come first");
-    const auto target = target_of(block);
+    const auto target = target_of(block, of_machine);
     if (!target) return tl::unexpected(target.error());
     auto done = arc ? arc_to(*target, block) : line_to(*target, block);
     at_ = *target;
     return done;
   }
 
-  Part<Point> target_of(const Block& block) {
+  /// By the point that the line names to the stored one.
+  Part<void> go_to(const Point& stored, const Block& block) {
+    const bool all = !block.has_any(axis_letters);
+    const auto by = target_of(block, false);
+    if (!by) return tl::unexpected(by.error());
+    rapid_to(*by);
+    auto target = at_;
+    for (std::size_t i = 0; i < axis_letters.size(); ++i) {
+      if (all || block.has(axis_letters[i])) target[i] = stored[i];
+    }
+    rapid_to(target);
+    return {};
+  }
+
+  void rapid_to(const Point& target) {
+    if (target == at_) return;
+    add_line({target, {}, {}, line_});
+    at_ = target;
+  }
+
+  Part<Point> target_of(const Block& block, bool of_machine) {
     auto target = at_;
     for (std::size_t i = 0; i < axis_letters.size(); ++i) {
       const auto& word = block.find(axis_letters[i]);
       if (!word) continue;
       used_[i] = true;
-      const double way = word->value * (i < linear_axes ? unit_ : 1);
-      target[i] = absolute_ ? way : at_[i] + way;
+      const double way = in_mm(*word, i);
+      const bool absolute = absolute_ || of_machine;
+      const double from = !absolute ? at_[i] : of_machine ? 0 : origins_.of(i);
+      target[i] = from + way;
       // A way of a few last bits would have a direction of its own.
-      if (absolute_ && are_equal(target[i], at_[i])) target[i] = at_[i];
+      if (absolute && are_equal(target[i], at_[i])) target[i] = at_[i];
       if (!std::isfinite(target[i]))
         return wrong(word->column, "the position is beyond all numbers");
     }
@@ -183,115 +364,151 @@ class Interpreter {
     if (target == at_) return {};
     LineTo line{target, {}, {}, line_};
     if (motion_ == 1) {
-      if (!linear_feed_)
-        return wrong(block.column_of(axis_letters), "G1 needs F, which was not said yet");
-      const bool linear = !std::equal(at_.begin(), at_.begin() + linear_axes, target.begin());
-      line.feed = linear ? linear_feed_ : angular_feed_;
+      double linear = 0;
+      double angular = 0;
+      for (std::size_t i = 0; i < axis_letters.size(); ++i) {
+        auto& way = i < linear_axes ? linear : angular;
+        way = std::hypot(way, target[i] - at_[i]);
+      }
+      const auto feed =
+          feed_of(linear > 0, linear > 0 ? linear : angular, block.column_of(axis_letters));
+      if (!feed) return tl::unexpected(feed.error());
+      line.feed = *feed;
     }
-    path_.elements.emplace_back(line);
+    add_line(line);
     return {};
+  }
+
+  /// Of a movement of this length, in units/s.
+  Part<double> feed_of(bool linear, double length, std::size_t column) const {
+    const auto missing = [&](std::string_view what) {
+      return wrong(column, fmt::format("G{} needs {}", *motion_, what));
+    };
+    double feed = 0;
+    if (feed_mode_ == 930) {
+      if (!line_feed_) return missing("F on its line, as G93 holds");
+      feed = length * *line_feed_;
+    } else {
+      const auto& said = linear ? linear_feed_ : angular_feed_;
+      if (!said) return missing("F, which was not said yet");
+      feed = *said;
+      if (feed_mode_ == 950 && !(spindle_ > 0)) return missing("S above 0, as G95 holds");
+      if (feed_mode_ == 950) feed *= spindle_;
+    }
+    feed /= seconds_of_a_minute;
+    if (feed > 0 && std::isfinite(feed)) return feed;
+    return wrong(column, "the feed is beyond all numbers");
   }
 
   Part<void> arc_to(const Point& target, const Block& block) {
-    const auto column = block.column_of("IJRXY");
-    used_[0] = used_[1] = true;
-    if (!linear_feed_)
-      return wrong(column, fmt::format("G{} needs F, which was not said yet", *motion_));
-    if (block.has('R') && block.has_any("IJ"))
-      return wrong(block.find('R')->column, "R excludes I and J");
-    if (!block.has_any("IJR"))
-      return wrong(column, fmt::format("G{} needs I and J, or R", *motion_));
-    ArcTo arc{target, 0, 0, 0, *linear_feed_, line_};
-    auto centred =
-        block.has('R') ? centre_by_radius(arc, *block.find('R')) : centre_by_offsets(arc, block);
-    if (!centred) return centred;
-    if (!std::isfinite(arc.sweep) || !std::isfinite(arc.centre_x) || !std::isfinite(arc.centre_y))
+    const auto [one, other] = plane_;
+    const auto column = block.column_of("IJKRXYZ");
+    used_[one] = used_[other] = true;
+    gcode::PlaneArc arc{{at_[one], at_[other]}, {target[one], target[other]}, motion_ == 2, unit_};
+    const auto turns = turns_of(block);
+    if (!turns) return tl::unexpected(turns.error());
+    const auto round = round_of(arc, block);
+    if (!round) return tl::unexpected(round.error());
+    const double more = (*turns - 1) * 2 * std::numbers::pi;
+    const double radius = std::hypot(at_[one] - round->centre[0], at_[other] - round->centre[1]);
+    double length = round->length + more * radius;
+    for (std::size_t i = 0; i < linear_axes; ++i) {
+      if (i != one && i != other) length = std::hypot(length, target[i] - at_[i]);
+    }
+    const auto feed = feed_of(true, length, column);
+    if (!feed) return tl::unexpected(feed.error());
+    const double sweep = round->sweep + (motion_ == 3 ? more : -more);
+    if (!std::isfinite(sweep) || !std::isfinite(round->centre[0]) ||
+        !std::isfinite(round->centre[1]))
       return wrong(column, "the arc is beyond all numbers");
-    path_.elements.emplace_back(arc);
+    add(ArcTo{target, round->centre, sweep, *feed, line_, plane_});
     return {};
   }
 
-  Part<void> centre_by_offsets(ArcTo& arc, const Block& block) {
-    const auto offset = [&](char letter) {
-      return block.has(letter) ? block.find(letter)->value * unit_ : 0;
+  static Part<double> turns_of(const Block& block) {
+    const auto& turns = block.find('P');
+    if (!turns) return 1;
+    if (turns->value == std::round(turns->value) && turns->value >= 1 &&
+        turns->value <= most_turns_of_an_arc)
+      return turns->value;
+    return wrong(turns->column, fmt::format("P of an arc is a whole number of turns, 1 to {}",
+                                            most_turns_of_an_arc));
+  }
+
+  /// Its centre by two of the letters I, J, K, or its radius.
+  Part<gcode::PlaneArc::Round> round_of(const gcode::PlaneArc& arc, const Block& block) const {
+    const auto& radius = block.find('R');
+    const auto column = block.column_of("IJKRXYZ");
+    const auto at_column = [](std::size_t where) {
+      return [where](std::string message) { return Wrong{where, std::move(message)}; };
     };
-    arc.centre_x = at_[0] + offset('I');
-    arc.centre_y = at_[1] + offset('J');
-    const double begin = std::hypot(offset('I'), offset('J'));
-    const double end = std::hypot(arc.target[0] - arc.centre_x, arc.target[1] - arc.centre_y);
-    const auto column = block.column_of("IJ");
-    if (!(begin > 0) || !std::isfinite(begin))
-      return wrong(column, "the centre is where the arc begins");
-    if (!(end > 0)) return wrong(column, "the centre is where the arc ends");
-    if (!(std::abs(begin - end) <= radius_slack(std::max(begin, end)))) {
-      return wrong(
-          column,
-          fmt::format("the arc begins {0} {2} from its centre and ends {1} {2} from it",
-                      plain_number(begin / unit_, 6), plain_number(end / unit_, 6), unit_name()));
+    if (radius && block.has_any(centre_letters))
+      return wrong(radius->column, "R excludes I, J and K");
+    if (radius) return arc.of_radius(radius->value * unit_).map_error(at_column(radius->column));
+    const std::string letters{centre_letters[plane_[0]], centre_letters[plane_[1]]};
+    const char third = centre_letters[3 - plane_[0] - plane_[1]];
+    // Some programs write all three.
+    if (block.has(third) && block.find(third)->value != 0) {
+      return wrong(block.find(third)->column,
+                   fmt::format("{} is no part of the plane of this arc", third));
     }
-    set_sweep(arc, begin);
-    return {};
-  }
-
-  std::string_view unit_name() const { return unit_ == 1 ? "mm" : "inches"; }
-
-  /// How much two radii may differ of which the greater one is this, in mm.
-  double radius_slack(double radius) const {
-    const double slack = unit_ == 1 ? radius_slack_mm : radius_slack_inch * unit_;
-    return std::clamp(relative_radius_slack * radius, slack, most_radius_slacks * slack);
-  }
-
-  Part<void> centre_by_radius(ArcTo& arc, const Word& radius_word) {
-    const double radius = std::abs(radius_word.value) * unit_;
-    const double dx = arc.target[0] - at_[0];
-    const double dy = arc.target[1] - at_[1];
-    const double chord = std::hypot(dx, dy);
-    const bool goes_nowhere = are_equal(arc.target[0], at_[0]) && are_equal(arc.target[1], at_[1]);
-    if (goes_nowhere) return wrong(radius_word.column, "an arc to where it begins needs I and J");
-    const double beyond = chord / 2 - radius;
-    if (!(beyond <= radius_slack(radius))) {
-      return wrong(radius_word.column,
-                   fmt::format("the radius is too small: the ends are {} {} apart",
-                               plain_number(chord / unit_, 6), unit_name()));
+    const bool enough = absolute_centres_ ? block.has(letters[0]) && block.has(letters[1])
+                                          : block.has_any(letters) || block.has(third);
+    if (!enough) {
+      const auto [least, greatest] = std::minmax(letters[0], letters[1]);
+      return wrong(column, fmt::format("G{} needs {} and {}, or R", *motion_, least, greatest));
     }
-    // Counter-clockwise, the centre of the shorter arc is on the left.
-    const bool left = (motion_ == 3) == (radius_word.value > 0);
-    const double height =
-        std::sqrt(std::max(0.0, (radius - chord / 2) * (radius + chord / 2))) * (left ? 1 : -1);
-    arc.centre_x = at_[0] + dx / 2 - dy / chord * height;
-    arc.centre_y = at_[1] + dy / 2 + dx / chord * height;
-    // From the chord, since the directions of both ends from a far centre are the same.
-    const double shorter = 2 * std::asin(std::min(1.0, chord / 2 / radius));
-    const double sweep = radius_word.value > 0 ? shorter : 2 * std::numbers::pi - shorter;
-    arc.sweep = motion_ == 3 ? sweep : -sweep;
-    return {};
+    gcode::PlaneArc::Place centre{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double from = absolute_centres_ ? origins_.of(plane_[i]) : arc.from[i];
+      centre[i] = from + (block.has(letters[i]) ? block.find(letters[i])->value * unit_ : 0);
+    }
+    return arc.around(centre).map_error(at_column(block.column_of(centre_letters)));
   }
 
-  void set_sweep(ArcTo& arc, double radius) const {
-    constexpr double turn = 2 * std::numbers::pi;
-    const double from_x = at_[0] - arc.centre_x;
-    const double from_y = at_[1] - arc.centre_y;
-    const double to_x = arc.target[0] - arc.centre_x;
-    const double to_y = arc.target[1] - arc.centre_y;
-    const double angle = std::atan2(from_x * to_y - from_y * to_x, from_x * to_x + from_y * to_y);
-    double sweep = motion_ == 3 ? angle : -angle;
-    const bool goes_nowhere = std::abs(sweep) <= std::min(least_sweep, least_arc_mm / radius);
-    if (goes_nowhere) sweep = turn;
-    if (sweep < 0) sweep += turn;
-    arc.sweep = motion_ == 3 ? sweep : -sweep;
+  // ---- the path ----
+
+  void add(Element element) {
+    line_from_.reset();
+    if (corners_ != 640 && moves(element) && !path_.elements.empty() &&
+        moves(path_.elements.back()))
+      path_.elements.emplace_back(Dwell{0, line_});
+    path_.elements.push_back(std::move(element));
+  }
+  static bool moves(const Element& element) { return !std::holds_alternative<Dwell>(element); }
+
+  void add_line(const LineTo& line) {
+    if (corners_ == 610 && line_from_ && goes_straight_on(*line_from_, at_, line.target)) {
+      path_.elements.emplace_back(line);
+    } else {
+      add(line);
+    }
+    line_from_ = at_;
   }
 
   void keep_only_used_axes() {
     if (std::ranges::none_of(used_, [](bool used) { return used; })) used_[0] = true;
+    std::array<std::size_t, most_axes> place{};
     for (std::size_t i = 0; i < axis_letters.size(); ++i) {
       if (i == linear_axes && !path_.axes.empty()) path_.length_axes = path_.axes.size();
+      place[i] = path_.axes.size();
       if (used_[i]) path_.axes.emplace_back(1, axis_letters[i]);
     }
     path_.start = packed(path_.start);
-    for (auto& element : path_.elements) {
-      if (auto* line = std::get_if<LineTo>(&element)) line->target = packed(line->target);
-      if (auto* arc = std::get_if<ArcTo>(&element)) arc->target = packed(arc->target);
-    }
+    auto at = path_.start;
+    std::erase_if(path_.elements, [&](Element& element) {
+      const auto before = at;
+      auto* arc = std::get_if<ArcTo>(&element);
+      if (auto* line = std::get_if<LineTo>(&element)) {
+        at = line->target = packed(line->target);
+        // Axes that only G28 would have moved are left out.
+        return at == before;
+      }
+      if (arc == nullptr) return false;
+      at = arc->target = packed(arc->target);
+      for (auto& axis : arc->plane) axis = place[axis];
+      return false;
+    });
   }
 
   Point packed(const Point& all) const {
@@ -303,34 +520,50 @@ class Interpreter {
     return point;
   }
 
+  static bool is_tape_mark(std::string_view line) {
+    TextCursor cursor(line);
+    const bool mark = cursor.take('%');
+    cursor.skip_blanks();
+    return mark && cursor.at_end();
+  }
+
   ProblemList& problems_;
+  ProblemList remarks_{most_remarks};
+  Unknowns unknowns_;
   std::string unknown_letters_;
   bool confused_ = false;
+  bool has_begun_ = false;
+  bool hides_words_ = false;
+  bool stands_ = false;  ///< Behind the movement of this line.
   Path path_;
   Point at_;
+  std::optional<Point> line_from_{};  ///< Where the line that ends here began.
   std::array<bool, most_axes> used_{};
   std::size_t line_ = 0;
+  gcode::Origins origins_;
+  std::array<Point, 2> stored_{};  ///< By G28.1 and G30.1.
+  std::array<std::size_t, 2> plane_{0, 1};
   double unit_ = 1;
   bool absolute_ = true;
+  bool absolute_centres_ = false;
+  int corners_ = 640;
+  int feed_mode_ = 940;
   std::optional<int> motion_{};
-  std::optional<double> linear_feed_{};
-  std::optional<double> angular_feed_{};
+  bool motion_is_hidden_ = false;         ///< By a code that was skipped.
+  std::optional<double> linear_feed_{};   ///< A minute, or a turn after G95; in mm.
+  std::optional<double> angular_feed_{};  ///< In degrees.
+  std::optional<double> line_feed_{};     ///< Of this line, after G93; a minute.
+  double spindle_ = 0;                    ///< Turns a minute.
 };
-
-bool is_tape_mark(std::string_view line) {
-  TextCursor cursor(line);
-  const bool mark = cursor.take('%');
-  cursor.skip_blanks();
-  return mark && cursor.at_end();
-}
 
 }  // namespace
 
-tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start) {
+tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start,
+                                            Unknowns unknowns) {
   ProblemList problems;
-  Interpreter interpreter(start, problems);
+  Interpreter interpreter(start, unknowns, problems);
   for_each_line(text, problems, [&](std::string_view line, std::size_t number) {
-    return is_tape_mark(line) || interpreter.run(line, number);
+    return interpreter.run(line, number);
   });
   if (!problems.empty()) return tl::unexpected(problems.take());
   return interpreter.finish();

@@ -7,11 +7,17 @@
 namespace tmcl::plan::path_file::gcode {
 namespace {
 
-constexpr std::string_view known_letters = "GXYZABCIJRPFMN";
+constexpr std::string_view known_letters = "GXYZABCIJKRPQLHFSTMNO";
 
 /// Also up to a comment: an expression such as #1=[2*3] is one word.
 std::string_view up_to_blank(const TextCursor& cursor) {
   return cursor.rest().substr(0, cursor.rest().find_first_of(" \t\r\f\v;("));
+}
+
+/// Behind the number of a program there is nothing but a comment.
+bool has_more(TextCursor cursor) {
+  cursor.skip_blanks();
+  return !cursor.at_end() && cursor.peek() != ';' && cursor.peek() != '(';
 }
 
 }  // namespace
@@ -55,8 +61,11 @@ void Block::add(TextCursor& cursor) {
     const bool is_word = value && is_letter(letter);
     const auto taken = is_word ? text.substr(0, cursor.column() - column) : word;
     if (!is_word) cursor.skip_to(column + word.size());
-    wrongs_.push_back(
-        {column, fmt::format("'{}' is not known here", shown(taken)), text.substr(0, 1), !is_word});
+    wrongs_.push_back({column, fmt::format("'{}' is not known here", shown(taken)),
+                       text.substr(0, 1), !is_word, is_word});
+  } else if (letter == 'O' && (!value || has_more(cursor))) {
+    wrongs_.push_back({column, "O words that call, repeat or decide are not read", {}, true});
+    cursor.skip(text.size());
   } else if (!value) {
     add_missing_number(cursor, column, letter);
   } else {

@@ -23,6 +23,7 @@ struct Wrong {
   std::string_view unknown_letter{};  ///< If it is about a word that begins so.
   /// Whether it is not known any more what the lines behind it would do.
   bool confuses = false;
+  bool may_be_skipped = false;  ///< It is a word that is not known.
 };
 template <class T>
 using Part = tl::expected<T, Wrong>;

@@ -89,6 +89,7 @@ class TextCursor {
 /// Gathers what is wrong.
 class ProblemList {
  public:
+  explicit ProblemList(std::size_t most = most_text_problems) : most_(most) {}
   void add(std::size_t line, std::size_t column, std::string message) {
     if (!full()) problems_.push_back({line, column, std::move(message)});
   }
@@ -97,7 +98,7 @@ class ProblemList {
     if (std::ranges::find(problems_, message, &TextProblem::message) == problems_.end())
       add(line, column, std::move(message));
   }
-  bool full() const { return problems_.size() >= most_text_problems; }
+  bool full() const { return problems_.size() >= most_; }
   bool empty() const { return problems_.empty(); }
   /// By their places.
   TextProblems take() {
@@ -108,6 +109,7 @@ class ProblemList {
   }
 
  private:
+  std::size_t most_;
   TextProblems problems_;
 };
 
