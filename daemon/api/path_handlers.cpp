@@ -210,8 +210,8 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
 
   // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
   const auto text = std::make_shared<const std::string>(std::move(given));
-  auto read = [text, format, tolerance = request.tolerance] {
-    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance);
+  auto read = [text, format, tolerance = request.tolerance, unknowns = request.unknowns] {
+    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance, unknowns);
   };
   auto source = co_await planner.plan(std::move(read));
   if (!source) co_return error_of(source.error(), "text");
@@ -223,7 +223,8 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
 
   const auto feed = feed_of(known);
   if (!feed) co_return error_of(feed.error(), "feed");
-  const plan::PathSource names{source->format, {source->path.axes, {}}};
+  plan::PathSource names{source->format, {source->path.axes, {}}};
+  names.path.remarks = source->path.remarks;
   auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
                   cast = std::move(cast), look = std::move(look)]() mutable {
     const auto letters = source.path.axes;
@@ -277,10 +278,11 @@ void keep_again(const Call& call, PlannedPath planned) {
   if (!kept) kept = std::make_shared<PlannedPath>(std::move(planned));
 }
 
-/// Of the settings with which each axis moves to the start, and is stopped.
-awaitable<std::vector<std::string>> warnings_of(const Axes& axes) {
-  std::vector<std::string> all;
-  for (const auto& axis : axes) {
+/// Of what the file asks for and is not carried out; of the settings with which each axis moves to
+/// the start, and is stopped.
+awaitable<std::vector<std::string>> warnings_of(const PlannedPath& planned) {
+  auto all = plan::warnings_of(planned.source);
+  for (const auto& axis : planned.axes) {
     const auto warnings = co_await axis->warnings();
     if (!warnings) continue;  // The path itself tells of what cannot be read.
     for (const auto& text : *warnings) all.push_back(axis->name() + ": " + text);
@@ -398,7 +400,7 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
   planned.number = call.gateway->next_path_number();
   result->plan = planned.number;
   for (const auto& axis : planned.axes) result->axes.push_back(axis->name());
-  result->warnings = co_await warnings_of(planned.axes);
+  result->warnings = co_await warnings_of(planned);
   if (auto warning = warning_of(result->expected, planned.request.tolerance); !warning.empty())
     result->warnings.push_back(std::move(warning));
   call.gateway->planned_path = std::make_shared<PlannedPath>(std::move(planned));
@@ -414,7 +416,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
     if (params.plan) keep_again(call, std::move(planned));
     co_return tl::unexpected(place.error());
   }
-  auto warnings = co_await warnings_of(planned.axes);
+  auto warnings = co_await warnings_of(planned);
   co_await must_not(refusal_to_begin(call));
   begin_journey(call);
   std::vector<DriveMember> members;

@@ -45,6 +45,30 @@ TEST_F(CtlPath, CheckTellsWhatAPathIs) {
   EXPECT_EQ(document.at("slowest_corners").at(0).at("speed").to_number<double>(), 0);
 }
 
+TEST_F(CtlPath, WhatIsNotCarriedOutIsAWarning) {
+  const auto part = file("T1 M6 S9 M3\nG1 X10 F1200\nX20 S5\n");
+  EXPECT_EQ(run({"path", "check", part}), ExitCode::done) << err;
+  EXPECT_THAT(err, HasSubstr("warning: line 1: S is not carried out\n"));
+  const auto document = json({"path", "check", part});
+  EXPECT_EQ(document.at("warnings").as_array().size(), 4U);
+  EXPECT_EQ(document.at("warnings").at(1), "line 1: M6 is not carried out");
+  EXPECT_EQ(json({"path", "check", file("G1 X10 F1200\n")}).at("warnings").as_array().size(), 0U);
+}
+
+TEST_F(CtlPath, UnknownWordsAreSkippedIfAskedFor) {
+  const auto part = file("G41 D1\nG1 X10 E5 F1200\nG0 X#1\n");
+  EXPECT_EQ(run({"path", "check", part}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(":1:1: G41 is not known here"));
+  EXPECT_THAT(err, HasSubstr(":2:8: 'E5' is not known here"));
+  EXPECT_EQ(run({"path", "check", part, "--lenient"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(":3:4: a number is missing"));
+  EXPECT_THAT(err, Not(HasSubstr("G41")));
+  const auto known = file("G41 D1\nG1 X10 E5 F1200\n");
+  EXPECT_EQ(run({"path", "check", known, "--lenient"}), ExitCode::done) << err;
+  EXPECT_THAT(err, HasSubstr("warning: line 2: 'E5' is not known here; skipped"));
+  EXPECT_EQ(json({"path", "check", known, "--lenient"}).at("warnings").as_array().size(), 3U);
+}
+
 TEST_F(CtlPath, LegsAreToldAsRampGeneratorsTakeThem) {
   const auto corner = file("G1 X10 F1200\nG1 Y10\n");
   const auto document = json({"path", "check", corner, "--velocity", "20", "--acceleration", "500",
@@ -141,6 +165,20 @@ struct Rows {
     }
   }
 };
+
+// Arcs in another plane, and of several turns; two movements of one line.
+TEST_F(CtlPath, RowsSayHowFarTheyAreFromArcsInAnyPlane) {
+  for (const std::string text : {"F1200 G18 G2 X0 Z0 Y6 I-5 K0 P3\n", "F600 G1 X3\nG28 X9 Y5\n"}) {
+    EXPECT_EQ(run({"path", "check", file(text), "--csv", "-", "--step", "0.01"}), ExitCode::done)
+        << err;
+    const Rows rows(out);
+    EXPECT_EQ(rows.heading.back(), "off");
+    double worst = 0;
+    for (const auto& row : rows.numbers) worst = std::max(worst, row.back());
+    EXPECT_GT(rows.numbers.size(), 30U);
+    EXPECT_LT(worst, 0.0501) << text;
+  }
+}
 
 // Each column is the change of the one before it.
 TEST_F(CtlPath, RowsHaveTheMotionOfEachAxis) {
@@ -274,6 +312,19 @@ const boost::json::object planned{
        {"foreseen_s", 2},
        {"keeps_tolerance", false}},
       {{"mode", "position"}, {"keeps_tolerance", false}, {"refused", "line 1: it is too short"}}}}};
+
+TEST_F(CtlPath, TheGatewayIsToldToSkipUnknownWords) {
+  target.plan = planned;
+  target.plan["warnings"] = {"line 1: 'E5' is not known here; skipped"};
+  const auto line = file("G1 X10 E5 F600\n");
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=left", "--lenient", "--dry-run"}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(target.calls, testing::ElementsAre(HasSubstr(R"("lenient":true)")));
+  EXPECT_THAT(err, HasSubstr("warning: line 1: 'E5' is not known here; skipped"));
+  const auto document = json({"path", "run", line, "--axis", "X=left", "--lenient", "--dry-run"});
+  EXPECT_EQ(document.at("warnings").as_array().size(), 1U);
+}
 
 TEST_F(CtlPath, APathIsPlannedOnceAndRunAsItWasPlanned) {
   const auto line = file("G1 X10 F600\n");

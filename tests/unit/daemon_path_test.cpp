@@ -280,6 +280,20 @@ TEST_F(DaemonPath, BadInputIsNamedAndMovesNothing) {
     EXPECT_EQ(daemon.requests_seen(command), 0U);
 }
 
+TEST_F(DaemonPath, WhatOfAFileIsNotCarriedOutIsTold) {
+  const auto id = client->send("path.run", order("S5 M3\nG1 X1 Y1 F600\n", {}));
+  const auto report = client->answer_to(id).at("result").as_object();
+  EXPECT_THAT(json::serialize(report.at("warnings")),
+              HasSubstr(R"(["line 1: S is not carried out","line 1: M3 is not carried out")"));
+  const auto refused = error_of(client->send("path.plan", order("G1 X2 Y1 E5 F600\n", {})));
+  EXPECT_EQ(name_in(refused), "bad_path");
+  const auto plan = client->result("path.plan", order("G1 X2 Y1 E5 F600\n", {{"lenient", true}}));
+  EXPECT_THAT(json::serialize(plan.at("warnings")),
+              HasSubstr("line 1: 'E5' is not known here; skipped"));
+  client->result("path.run", {{"plan", plan.at("plan")}});
+  EXPECT_EQ(mm(0), 2);
+}
+
 TEST_F(DaemonPath, ALongTextComesInParts) {
   const std::string part = "G1 X1 F1200\n";
   const auto stage = [&](std::size_t offset, const std::string& more) {

@@ -290,6 +290,7 @@ TEST(PlanGcode, WhatSkippedWordsWouldMoveIsSkipped) {
   EXPECT_THAT(ends(read_lenient("G0 X1\nG68 X5 Y5 R45\nX2\nM92 X80\n")),
               ElementsAre(Point{1}, Point{2}));
   EXPECT_THAT(ends(read_lenient("G187 P1 G0 X1\n")), ElementsAre(Point{1}));
+  EXPECT_THAT(ends(read_lenient("F60 G1 G41 X1 P2\n")), ElementsAre(Point{1}));
   EXPECT_THAT(read_lenient("G1 F60 X1\nG81 X5 Z2 R1\n").axes, ElementsAre("X"));
 }
 

@@ -1712,10 +1712,11 @@ class Methods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "points": points}))
+        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "points": points}))
 
     def path_run(
         self,
@@ -1734,12 +1735,13 @@ class Methods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "plan": plan, "to_start": to_start}))
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "plan": plan, "to_start": to_start}))
 
     def path_pause(
         self,
@@ -2643,10 +2645,11 @@ class AsyncMethods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "points": points}))
+        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "points": points}))
 
     async def path_run(
         self,
@@ -2665,12 +2668,13 @@ class AsyncMethods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "plan": plan, "to_start": to_start}))
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "plan": plan, "to_start": to_start}))
 
     async def path_pause(
         self,

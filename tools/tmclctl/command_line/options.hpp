@@ -227,6 +227,7 @@ struct CheckPath {
   std::optional<profile::ExportForm> as;  ///< The legs for other programs.
   std::string csv;                        ///< Of all axes over time; empty: none.
   double csv_step = 0.001;                ///< Seconds between its rows.
+  bool lenient = false;
 };
 /// And run on axes.
 struct RunPath {
@@ -239,6 +240,7 @@ struct RunPath {
   std::chrono::milliseconds period{5};
   bool dry_run = false;
   std::string svg;  ///< Empty: none.
+  bool lenient = false;
 };
 /// The text of a stand-alone program into a program file.
 struct Assemble {

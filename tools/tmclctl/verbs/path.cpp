@@ -25,10 +25,15 @@ Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objecti
   return failure;
 }
 
+plan::path_file::Unknowns unknowns_of(const verb::CheckPath& verb) {
+  return verb.lenient ? plan::path_file::Unknowns::skipped : plan::path_file::Unknowns::refused;
+}
+
 /// As the file has it, with arcs.
-plan::path_file::Path drawn_path(const std::string& text, const plan::PathSource& source) {
+plan::path_file::Path drawn_path(const verb::CheckPath& verb, const std::string& text,
+                                 const plan::PathSource& source) {
   if (source.format == plan::PathFormat::csv) return source.path;
-  return plan::path_file::read_gcode(text).value_or(source.path);
+  return plan::path_file::read_gcode(text, {}, unknowns_of(verb)).value_or(source.path);
 }
 
 Result<void> write_rows(const verb::CheckPath& verb, const plan::Course& course,
@@ -51,8 +56,11 @@ std::string exported(const verb::CheckPath& verb, const boost::json::array& legs
 Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto text = path::text_of(verb.file, path::most_path_bytes);
   if (!text) return tl::unexpected(text.error());
-  const auto source = plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance);
+  const auto source =
+      plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance, unknowns_of(verb));
   if (!source) return tl::unexpected(failure_of(verb, source.error(), output));
+  const auto warnings = plan::warnings_of(*source);
+  warn(warnings, output);
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   plan::PathLimits limits;
   limits.axis.fill({verb.velocity, verb.acceleration, verb.corner_jump.value_or(unlimited)});
@@ -74,7 +82,8 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   if (verb.legs) legs = path::leg_table(*planned, source->path.axes, chip);
   if (chip) warn(path::beyond_registers(legs, *chip), output);
   if (!verb.csv.empty()) {
-    if (auto written = write_rows(verb, *planned, drawn_path(*text, *source), output); !written)
+    if (auto written = write_rows(verb, *planned, drawn_path(verb, *text, *source), output);
+        !written)
       return tl::unexpected(written.error());
   }
   if (verb.as && legs.empty()) {
@@ -87,6 +96,7 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
     auto document = tmcl::api::to_json(course);
     if (verb.legs) document["leg_table"] = std::move(legs);
     document["file"] = verb.file;
+    document["warnings"] = boost::json::array(warnings.begin(), warnings.end());
     print_json(document, output);
   } else if (verb.csv != "-") {
     path::print(verb.file, course, output);
@@ -115,7 +125,9 @@ constexpr const char* path_check_help = R"(
 Plans a path as 'tmclctl path run' would, for axes that can do what --velocity and --acceleration say,
 and says how long it is and takes, where it goes, and where it is slowest. Lengths are in the units of
 the file; G-code's are mm (deg for A B C). Where X, Y or Z moves, the length is theirs, and A B C go
-along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems.
+along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems. What of G-code moves no
+axis, such as S, T and M3, is a warning, once for each; with --lenient words that are not known are, too:
+without them the path may be another one than the program means.
 
 --show draws the axes over time, on the screen or below the path in --svg, with T1 to T4 of each leg or,
 where there are more than four, with the slowest corners.

@@ -51,6 +51,7 @@ api::path::Plan params_of(const verb::RunPath& verb, const std::string& text) {
   params.corner_jump = amount_of(verb.corner_jump);
   params.per_turn = verb.per_turn;
   params.deviation = verb.deviation;
+  if (verb.lenient) params.lenient = true;
   if (!verb.svg.empty()) params.points = api::path::most_curve_points;
   return params;
 }
@@ -202,6 +203,7 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
     auto document = api::to_json(plan->course);
     document["file"] = verb.file;
     document["expected"] = api::to_json(*plan).at("expected");
+    document["warnings"] = boost::json::array(plan->warnings.begin(), plan->warnings.end());
     print_json(document, context.output);
   } else {
     path::print(verb.file, plan->course, context.output);
@@ -218,8 +220,8 @@ Moves the axes along the path, and says then how far off it they were seen, and 
 for. G-code begins where the axes stand; to the start of a table they are moved first. X is the axis of
 tmcld that is called X or x, unless --axis says otherwise. Nothing moves before everything is checked:
 units, limits, where the path goes, that all axes stand, and what the bus can carry. Files are those of
-'tmclctl path check'. --velocity, --acceleration and --feed are in the units of the file, or have a unit
-with them: 20mm/s, 500mm/s^2, 120rpm.
+'tmclctl path check', and so are the warnings of what is not carried out. --velocity, --acceleration
+and --feed are in the units of the file, or have a unit with them: 20mm/s, 500mm/s^2, 120rpm.
 
   --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can
   --mode segments   any module, for slow buses: an axis is told a speed, and the acceleration to get

@@ -16,6 +16,7 @@ void add_path_file(VerbForm<T>& form) {
   form.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
               in_units(form->tolerance));
   form.option("--svg", "FILE", "Draw the path and its axes into this file", svg_file(form->svg));
+  form.flag("--lenient", "Skip words of G-code that are not known, with warnings", form->lenient);
 }
 
 }  // namespace tmclctl

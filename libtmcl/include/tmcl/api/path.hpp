@@ -97,7 +97,8 @@ struct Passage {
 };
 struct Passed : Passage {
   TMCL_STRUCT(Passed, Passage);
-  TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
+  TMCL_FIELD(std::vector<std::string>, warnings,
+             "warnings about the settings of its axes, and what of the file is not carried out");
 };
 /// What is to be passed, and how.
 struct OfPath {
@@ -131,6 +132,9 @@ struct OfPath {
   TMCL_FIELD(std::optional<std::int32_t>, period_ms,
              "in velocity mode, and by segments, no updates more often than this; 5 if absent",
              {5, 1000});
+  TMCL_FIELD(std::optional<bool>, lenient,
+             "whether words of G-code that are not known are skipped, with warnings; refused if "
+             "absent");
 };
 struct CourseAxis {
   TMCL_STRUCT(CourseAxis);
@@ -183,7 +187,8 @@ struct Planned {
   TMCL_FIELD(std::vector<Expected>, expected,
              "what is expected in each mode, the one that was asked for first; empty where the "
              "ramps of an axis are not described");
-  TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
+  TMCL_FIELD(std::vector<std::string>, warnings,
+             "warnings about the settings of its axes, and what of the file is not carried out");
 };
 /// So many points at most: an answer has to be sent.
 constexpr int most_curve_points = 2000;

@@ -197,7 +197,8 @@ class Interpreter {
   // ---- what a line does ----
 
   Part<void> carry_out(const Block& block, const Codes& codes) {
-    if (auto found = find_stray(block, codes); !found && !hides_words_) return found;
+    if (auto found = find_stray(block, codes); !found && !hides_words_ && !codes.has_unknown())
+      return found;
     switch (codes.of(Group::once).value_or(-1)) {
       case 40: return dwell(block);
       case 100: return set_system(block, codes);

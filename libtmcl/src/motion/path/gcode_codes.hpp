@@ -38,7 +38,8 @@ class Codes {
   std::size_t column_of(Group group) const { return columns_[static_cast<std::size_t>(group)]; }
   /// Whether the code of the group `once` says what the axes of the line mean.
   bool take_axes() const;
-  /// A code that is not known may mean what the other words of its line are.
+  bool has_unknown() const { return !wrongs_.empty(); }
+  /// A code that is not known may mean what the axes of its line are.
   bool hide_words() const { return hide_words_; }
   /// Such a code says also how axes move from there on.
   bool hide_motion() const { return hide_motion_; }

@@ -118,10 +118,17 @@ PathFormat format_of(std::string file_name, std::string_view text) {
   return named || looks_like_gcode(text) ? PathFormat::gcode : PathFormat::csv;
 }
 
-PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance) {
-  const bool gcode = format == PathFormat::gcode;
-  return flattened(gcode ? path_file::read_gcode(text) : path_file::read_csv(text), format,
-                   tolerance);
+PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance,
+                                 path_file::Unknowns unknowns) {
+  if (format == PathFormat::csv) return flattened(path_file::read_csv(text), format, tolerance);
+  return flattened(path_file::read_gcode(text, {}, unknowns), format, tolerance);
+}
+
+std::vector<std::string> warnings_of(const PathSource& source) {
+  std::vector<std::string> all;
+  for (const auto& remark : source.path.remarks)
+    all.push_back(fmt::format("line {}: {}", remark.line, remark.message));
+  return all;
 }
 
 StreamOptions options_of(const PathRequest& request) {
@@ -275,7 +282,8 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
   path_file::Point start{};
   for (const auto& axis : axes)
     start[path_file::gcode_axes.find(axis.choice.of_file)] = axis.stands_at;
-  return flattened(path_file::read_gcode(text, start), source.format, request.tolerance);
+  return flattened(path_file::read_gcode(text, start, request.unknowns), source.format,
+                   request.tolerance);
 }
 
 PathLimits limits_of(const std::vector<PathAxis>& axes) {
