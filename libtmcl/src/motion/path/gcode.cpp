@@ -7,6 +7,7 @@
 #include "motion/path/gcode_arc.hpp"
 #include "motion/path/gcode_block.hpp"
 #include "motion/path/gcode_codes.hpp"
+#include "motion/path/gcode_feeds.hpp"
 #include "motion/path/gcode_origins.hpp"
 #include "motion/path/text_cursor.hpp"
 #include "tmcl/plain_number.hpp"
@@ -27,7 +28,6 @@ constexpr std::string_view axis_letters = gcode_axes;
 constexpr std::string_view centre_letters = "IJK";
 constexpr std::string_view ways_of_arcs = "IJKR";
 constexpr std::size_t linear_axes = 3;
-constexpr double seconds_of_a_minute = 60;
 
 /// Whether a line from `at` goes on as one from `before` to it did.
 bool goes_straight_on(const Point& before, const Point& at, const Point& target) {
@@ -64,7 +64,7 @@ class Interpreter {
     hides_words_ = codes.hide_words();
     const bool goes_on = take_m_words(block);
     take_modes(codes, block);
-    complain(take_feed(block));
+    complain(feeds_.take(block.find('F'), unit_));
     // Of a line that is not understood it is not said what its movement lacks.
     if (!confused_) complain(carry_out(block, codes));
     if (stands_) add(Dwell{0, line_});
@@ -113,14 +113,20 @@ class Interpreter {
     if (const auto centres = codes.of(Group::centres)) absolute_centres_ = *centres == 901;
     if (const auto system = codes.of(Group::system)) select(*system, codes);
     if (const auto corners = codes.of(Group::corners)) corners_ = *corners;
-    if (const auto feed = codes.of(Group::feed)) take_feed_mode(*feed);
+    if (const auto feed = codes.of(Group::feed)) feeds_.set_mode(*feed);
     if (codes.are(Group::corners, 640) && block.has('P'))
       remark(codes.column_of(Group::corners), "P of G64 is not carried out; the tolerance holds");
     if (codes.are(Group::tool_length, 430)) complain(take_tool_length(codes, block));
-    if (codes.of(Group::end_of_cycles)) motion_.reset(), motion_is_hidden_ = false;
-    if (codes.hide_motion()) motion_.reset(), motion_is_hidden_ = true;
-    if (const auto motion = codes.of(Group::motion))
-      motion_ = *motion / 10, motion_is_hidden_ = false;
+    take_motion(codes);
+  }
+
+  void take_motion(const Codes& codes) {
+    const auto motion = codes.of(Group::motion);
+    if (motion || codes.of(Group::end_of_cycles) || codes.hide_motion()) {
+      motion_.reset();
+      motion_is_hidden_ = !motion && codes.hide_motion();
+    }
+    if (motion) motion_ = *motion / 10;
   }
 
   static std::array<std::size_t, 2> plane_of(int code) {
@@ -136,13 +142,6 @@ class Interpreter {
            fmt::format("G{} was not set here; it counts from the zero of the axes", code / 10));
   }
 
-  void take_feed_mode(int code) {
-    if (code == feed_mode_) return;
-    feed_mode_ = code;
-    linear_feed_.reset();
-    angular_feed_.reset();
-  }
-
   static Part<void> take_tool_length(const Codes& codes, const Block& block) {
     const auto& tool = block.find('H');
     if (tool && tool->value == 0) return {};
@@ -150,23 +149,6 @@ class Interpreter {
                 "G43 without H0 is not known here: the length of a tool is not known"};
     fault.may_be_skipped = true;
     return tl::unexpected(std::move(fault));
-  }
-
-  Part<void> take_feed(const Block& block) {
-    line_feed_.reset();
-    const auto& feed = block.find('F');
-    if (!feed) return {};
-    const bool is_above = feed->value / seconds_of_a_minute > 0;
-    // A movement with a feed that is wrong does not lack one.
-    const double number = is_above ? feed->value : 1;
-    if (feed_mode_ == 930) {
-      line_feed_ = number;
-    } else {
-      linear_feed_ = number * unit_;
-      angular_feed_ = number;
-    }
-    if (!is_above) return wrong(feed->column, "F must be above 0");
-    return {};
   }
 
   /// False at the end of the program.
@@ -190,7 +172,7 @@ class Interpreter {
       if (block.has(letter))
         remark(block.find(letter)->column, fmt::format("{} is not carried out", letter));
     }
-    if (block.has('S')) spindle_ = block.find('S')->value;
+    if (block.has('S')) feeds_.set_spindle(block.find('S')->value);
     return !ends;
   }
 
@@ -371,34 +353,13 @@ class Interpreter {
         auto& way = i < linear_axes ? linear : angular;
         way = std::hypot(way, target[i] - at_[i]);
       }
-      const auto feed =
-          feed_of(linear > 0, linear > 0 ? linear : angular, block.column_of(axis_letters));
+      const auto feed = feeds_.of(*motion_, block.column_of(axis_letters), linear > 0,
+                                  linear > 0 ? linear : angular);
       if (!feed) return tl::unexpected(feed.error());
       line.feed = *feed;
     }
     add_line(line);
     return {};
-  }
-
-  /// Of a movement of this length, in units/s.
-  Part<double> feed_of(bool linear, double length, std::size_t column) const {
-    const auto missing = [&](std::string_view what) {
-      return wrong(column, fmt::format("G{} needs {}", *motion_, what));
-    };
-    double feed = 0;
-    if (feed_mode_ == 930) {
-      if (!line_feed_) return missing("F on its line, as G93 holds");
-      feed = length * *line_feed_;
-    } else {
-      const auto& said = linear ? linear_feed_ : angular_feed_;
-      if (!said) return missing("F, which was not said yet");
-      feed = *said;
-      if (feed_mode_ == 950 && !(spindle_ > 0)) return missing("S above 0, as G95 holds");
-      if (feed_mode_ == 950) feed *= spindle_;
-    }
-    feed /= seconds_of_a_minute;
-    if (feed > 0 && std::isfinite(feed)) return feed;
-    return wrong(column, "the feed is beyond all numbers");
   }
 
   Part<void> arc_to(const Point& target, const Block& block) {
@@ -416,7 +377,7 @@ class Interpreter {
     for (std::size_t i = 0; i < linear_axes; ++i) {
       if (i != one && i != other) length = std::hypot(length, target[i] - at_[i]);
     }
-    const auto feed = feed_of(true, length, column);
+    const auto feed = feeds_.of(*motion_, column, true, length);
     if (!feed) return tl::unexpected(feed.error());
     const double sweep = round->sweep + (motion_ == 3 ? more : -more);
     if (!std::isfinite(sweep) || !std::isfinite(round->centre[0]) ||
@@ -542,19 +503,15 @@ class Interpreter {
   std::array<bool, most_axes> used_{};
   std::size_t line_ = 0;
   gcode::Origins origins_;
+  gcode::Feeds feeds_;
   std::array<Point, 2> stored_{};  ///< By G28.1 and G30.1.
   std::array<std::size_t, 2> plane_{0, 1};
   double unit_ = 1;
   bool absolute_ = true;
   bool absolute_centres_ = false;
   int corners_ = 640;
-  int feed_mode_ = 940;
   std::optional<int> motion_{};
-  bool motion_is_hidden_ = false;         ///< By a code that was skipped.
-  std::optional<double> linear_feed_{};   ///< A minute, or a turn after G95; in mm.
-  std::optional<double> angular_feed_{};  ///< In degrees.
-  std::optional<double> line_feed_{};     ///< Of this line, after G93; a minute.
-  double spindle_ = 0;                    ///< Turns a minute.
+  bool motion_is_hidden_ = false;  ///< By a code that was skipped.
 };
 
 }  // namespace
