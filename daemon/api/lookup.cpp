@@ -30,17 +30,27 @@ Result<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_vie
   return tl::unexpected(unknown("axis", param, name, call.gateway->axes()));
 }
 
-Error unknown_parameter(const GatewayAxis& axis, const std::string& name) {
+Error unknown_parameter(const GatewayAxis& axis, std::string_view param, const std::string& name) {
   const auto rows = axis.parameters();
   if (rows.empty()) {
-    return param_error("unknown_parameter", "parameter",
+    return param_error("unknown_parameter", param,
                        "the model of axis '" + axis.name() + "' has no table of names",
                        "use the number of the parameter, from the module's manual");
   }
   std::vector<std::string_view> names;
   for (const auto& row : rows) names.push_back(row.name);
-  return param_error("unknown_parameter", "parameter", "there is no parameter '" + name + "'",
+  return param_error("unknown_parameter", param, "there is no parameter '" + name + "'",
                      suggest(name, names, "see parameter.list for what there is"));
+}
+
+/// A name, or its number in digits.
+Result<ParameterChoice> find_named(const GatewayAxis& axis, std::string_view param,
+                                   const std::string& name) {
+  const auto rows = axis.parameters();
+  if (const auto* row = find_parameter(rows, name)) return ParameterChoice{row->number, row};
+  const auto number = as_number(name);
+  if (!number) return tl::unexpected(unknown_parameter(axis, param, name));
+  return ParameterChoice{*number, find_parameter(rows, *number)};
 }
 
 }  // namespace
@@ -88,11 +98,19 @@ Result<ParameterChoice> parameter_of(const api::NameOrNumber& given, const Gatew
     const auto byte = static_cast<std::uint8_t>(*number);
     return ParameterChoice{byte, find_parameter(rows, byte)};
   }
-  const auto& name = std::get<std::string>(given.said);
-  if (const auto* row = find_parameter(rows, name)) return ParameterChoice{row->number, row};
-  const auto number = as_number(name);
-  if (!number) return tl::unexpected(unknown_parameter(axis, name));
-  return ParameterChoice{*number, find_parameter(rows, *number)};
+  return find_named(axis, "parameter", std::get<std::string>(given.said));
+}
+
+Result<std::vector<std::uint8_t>> parameters_of(const std::vector<std::string>& given,
+                                                std::string_view param, const GatewayAxis& axis) {
+  std::vector<std::uint8_t> numbers;
+  for (const auto& name : given) {
+    auto choice = find_named(axis, param, name);
+    if (!choice) return tl::unexpected(std::move(choice.error()));
+    if (std::ranges::find(numbers, choice->number) == numbers.end())
+      numbers.push_back(choice->number);
+  }
+  return numbers;
 }
 
 std::optional<Error> check_range(const tmcl::ParameterInfo* row, std::int64_t value,

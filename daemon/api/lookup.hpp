@@ -54,6 +54,10 @@ struct ParameterChoice {
 /// A name, or a number also for a model that is not known.
 Result<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis);
 
+/// The numbers of several, each once; `param` is where the client gave them.
+Result<std::vector<std::uint8_t>> parameters_of(const std::vector<std::string>& given,
+                                                std::string_view param, const GatewayAxis& axis);
+
 /// 0..255 in decimal digits.
 std::optional<std::uint8_t> as_number(const std::string& text);
 

@@ -1,32 +1,58 @@
 #include "api/subscriptions.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "api/lookup.hpp"
 #include "api/views.hpp"
 
 namespace tmcld {
 
-std::uint64_t Subscriptions::add(const std::vector<Start>& axes, tmcl::Duration interval) {
+std::uint64_t Subscriptions::add(const std::vector<Start>& axes, const Wish& wish) {
   const auto id = ++last_id_;
   auto& items = subscriptions_[id];
   for (const auto& start : axes) {
     auto& item = *items.emplace_back(std::make_unique<Item>());
     item.axis = start.axis;
-    item.interval = interval;
-    if (start.reading) item.offered_seq = start.reading->seq;
+    item.wish = wish;
     item.watch = start.axis->poller()->watch(
-        start.axis, interval, [this, &item](const PublishedReading& reading, tmcl::TimePoint tick) {
+        start.axis, wish.interval,
+        [this, &item](const PublishedReading& reading, tmcl::TimePoint tick) {
           on_reading(item, reading, tick);
         });
+    if (!start.reading) continue;
+    sample(item);
+    item.offered_seq = start.reading->seq;
+    item.offered_values = values_of(item, *start.reading);
   }
   return id;
 }
 
+void Subscriptions::sample(Item& item) {
+  const auto name = api::name_of<&api::Subscribe::parameters>();
+  // A module that has come to answer since then may be of a model that has not all of them.
+  auto numbers = parameters_of(item.wish.parameters, name, *item.axis);
+  item.parameters = std::move(numbers).value_or(std::vector<std::uint8_t>{});
+  item.watch.sample(*item.parameters);
+}
+
+std::vector<std::int32_t> Subscriptions::values_of(const Item& item,
+                                                   const PublishedReading& reading) {
+  std::vector<std::int32_t> values;
+  for (const auto& sample : reading.samples)
+    if (std::ranges::count(*item.parameters, sample.parameter) > 0) values.push_back(sample.value);
+  return values;
+}
+
 void Subscriptions::on_reading(Item& item, const PublishedReading& reading, tmcl::TimePoint tick) {
-  if (reading.seq == item.offered_seq || tick - item.offered_at < item.interval) return;
+  if (!item.parameters) sample(item);
+  auto values = values_of(item, reading);
+  const bool is_new = reading.seq != item.offered_seq || values != item.offered_values;
+  if (!(is_new || item.wish.every_look) || tick - item.offered_at < item.wish.interval) return;
   if (item.pending) ++item.dropped;
   item.pending = reading;
   item.offered_seq = reading.seq;
+  item.offered_values = std::move(values);
   item.offered_at = tick;
   on_pending_();
 }
@@ -51,7 +77,7 @@ std::optional<boost::json::object> Subscriptions::take_pending() {
   auto& [id, item] = waiting[turn_++ % waiting.size()];
   api::NewState news;
   news.subscription = id;
-  fill(news, *item->axis, *item->pending);
+  fill(news, *item->axis, *item->pending, *item->parameters);
   news.dropped = std::exchange(item->dropped, 0);
   item->pending.reset();
   // Whose state it is comes first, for people who read it.

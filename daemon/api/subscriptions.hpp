@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <boost/json/object.hpp>
@@ -27,10 +28,16 @@ class Subscriptions {
     std::shared_ptr<GatewayAxis> axis;
     std::optional<PublishedReading> reading;  ///< What the client is told in the answer.
   };
+  /// What a client wants to be told.
+  struct Wish {
+    tmcl::Duration interval{};
+    std::vector<std::string> parameters{};  ///< By name or number.
+    bool every_look = false;                ///< Also those that change nothing.
+  };
 
   std::size_t size() const { return subscriptions_.size(); }
   /// The number of the new subscription; numbers count from one and are never used again.
-  std::uint64_t add(const std::vector<Start>& axes, tmcl::Duration interval);
+  std::uint64_t add(const std::vector<Start>& axes, const Wish& wish);
   /// False if there is none of that number.
   bool remove(std::uint64_t subscription) { return subscriptions_.erase(subscription) > 0; }
   void clear() { subscriptions_.clear(); }
@@ -42,15 +49,20 @@ class Subscriptions {
  private:
   struct Item {
     std::shared_ptr<GatewayAxis> axis;
-    tmcl::Duration interval{};
+    Wish wish;
+    /// Nothing before the first reading: which names there are depends on the model.
+    std::optional<std::vector<std::uint8_t>> parameters;
     AxisWatch watch;
     std::optional<PublishedReading> pending;
     std::uint64_t offered_seq = 0;
+    std::vector<std::int32_t> offered_values;  ///< Of its parameters.
     tmcl::TimePoint offered_at{};
     std::uint64_t dropped = 0;
   };
   using Items = std::vector<std::unique_ptr<Item>>;
 
+  static void sample(Item& item);
+  static std::vector<std::int32_t> values_of(const Item& item, const PublishedReading& reading);
   void on_reading(Item& item, const PublishedReading& reading, tmcl::TimePoint tick);
 
   std::function<void()> on_pending_;

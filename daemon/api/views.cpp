@@ -52,6 +52,20 @@ std::vector<api::axis::RampSetting> view_of(const std::vector<UnrestoredSetting>
   return view;
 }
 
+api::Sample view_of(const GatewayAxis& axis, const ParameterSample& sample) {
+  api::Sample out;
+  const auto* row = find_parameter(axis.parameters(), sample.parameter);
+  if (row != nullptr) out.parameter = std::string(row->name);
+  out.number = sample.parameter;
+  out.value = sample.value;
+  if (sample.in_unit) {
+    out.unit = sample.in_unit->unit;
+    out.value_in_unit = sample.in_unit->number;
+  }
+  out.age_ms = milliseconds(axis.bus().clock().now() - sample.taken);
+  return out;
+}
+
 void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& reading) {
   const auto& state = reading.state;
   out.axis = axis.name();
@@ -70,6 +84,7 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   out.latched = axis.latched().has_value();
   out.referenced = axis.is_referenced();
   if (const auto cause = axis.stop_cause()) out.stop_cause = std::string(name_of(*cause));
+  out.last_stop = axis.last_stop();
   out.age_ms = milliseconds(axis.bus().clock().now() - reading.taken);
   const auto holder = axis.holder();
   if (holder.lease != 0) out.lease = holder.lease;
@@ -127,8 +142,13 @@ api::axis::State view_of(const GatewayAxis& axis, const AxisReading& reading) {
   return out;
 }
 
-void fill(api::PublishedState& into, const GatewayAxis& axis, const PublishedReading& reading) {
+void fill(api::PublishedState& into, const GatewayAxis& axis, const PublishedReading& reading,
+          const std::vector<std::uint8_t>& parameters) {
   fill(into, axis, reading.reading);
+  for (const auto number : parameters) {
+    const auto read = std::ranges::find(reading.samples, number, &ParameterSample::parameter);
+    if (read != reading.samples.end()) into.samples.push_back(view_of(axis, *read));
+  }
   into.seq = reading.seq;
   into.event_time_ms = milliseconds(reading.reading.taken.time_since_epoch());
 }

@@ -14,7 +14,9 @@ namespace tmcld {
 namespace api = tmcl::api;
 
 api::axis::State view_of(const GatewayAxis& axis, const AxisReading& reading);
-void fill(api::PublishedState& into, const GatewayAxis& axis, const PublishedReading& reading);
+/// With these of the parameters that were sampled.
+void fill(api::PublishedState& into, const GatewayAxis& axis, const PublishedReading& reading,
+          const std::vector<std::uint8_t>& parameters);
 
 /// What an axis counts in, with nothing for what is not known.
 api::axis::Units view_of(const GatewayAxis& axis, const std::optional<tmcl::ModuleUnits>& module,

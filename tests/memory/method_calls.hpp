@@ -152,7 +152,7 @@ inline const std::vector<MethodCall> all{
      false,
      true},
     {"system.stop_all"},
-    {"subscribe", R"({"axes":["x"],"interval_ms":20})"},
+    {"subscribe", R"({"axes":["x"],"interval_ms":20,"parameters":["load_value"]})"},
     {"unsubscribe",
      R"({"subscription":"$subscription"})",
      {{"subscribe", R"({"axes":["x"],"interval_ms":20})"}}},

@@ -44,6 +44,8 @@ const std::vector<std::string> lines{
     "line 3/0=4000 3/1=2000 --wait",
     "state 1/0",
     "watch 1/0 --for 0.2",
+    "watch 1/0 --also max_current --for 0.2",
+    "watch 1/0 --also max_curent --for 0.2",
     "top",
     "jog 1/0",
     "recover 1/0",
@@ -109,7 +111,8 @@ const std::vector<std::string> lists{
     "deadman off 1/0",
     "verify 1/0 --travel 0..1 --yes",
     "stop --all",
-    "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
+    "plot 1/0 --for 0.1 --csv FOLDER/plot.csv",
+    "plot 1/0 3/0 --also load_value --for 0.1 --csv FOLDER/plots.csv"};
 
 /// What it finds is that of a door that has seen modules start again, or has not.
 constexpr auto finds_faults = "doctor 1/0";

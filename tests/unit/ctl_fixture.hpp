@@ -219,8 +219,18 @@ class FakeGateway final : public tmcl::client::Channel {
   void tell_states() {
     for (const auto& axis : watched_) {
       api::NewState state;
-      static_cast<api::axis::State&>(state) = state_now(axis);
+      publish(axis, state);
       tell(api::NewState::notification, api::to_json(state));
+    }
+  }
+  /// Samples are 5 ms older than the position.
+  void publish(const std::string& axis, api::PublishedState& state) const {
+    static_cast<api::axis::State&>(state) = state_now(axis);
+    for (const auto& name : sampled_) {
+      auto& sample = state.samples.emplace_back();
+      sample.parameter = name;
+      if (const auto value = values.find(name); value != values.end()) sample.value = value->second;
+      sample.age_ms = 5;
     }
   }
 
@@ -402,10 +412,10 @@ class FakeGateway final : public tmcl::client::Channel {
   Result<api::Subscription> subscribe(const api::Subscribe& params) {
     watched_ = params.axes.value_or(std::vector<std::string>{"x"});
     interval_ = std::chrono::milliseconds(params.interval_ms.value_or(50));
+    sampled_ = params.parameters.value_or(std::vector<std::string>{});
     api::Subscription subscription;
     for (const auto& axis : watched_) {
-      auto& state = subscription.states.emplace_back();
-      static_cast<api::axis::State&>(state) = state_now(axis);
+      publish(axis, subscription.states.emplace_back());
     }
     return subscription;
   }
@@ -525,6 +535,7 @@ class FakeGateway final : public tmcl::client::Channel {
   Host& host_;
   Listener listener_;
   std::vector<std::string> watched_;
+  std::vector<std::string> sampled_;
   tmcl::Duration interval_ = std::chrono::milliseconds(50);
   std::int32_t from_ = 0;
   std::int32_t target_ = 0;

@@ -11,6 +11,7 @@ namespace tmclctl::test {
 namespace {
 
 using std::chrono::milliseconds;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -444,10 +445,63 @@ TEST_F(CtlVerbs, PlotRecordsAMoveToItsEnd) {
 TEST_F(CtlVerbs, PlotWithoutAMoveEndsWhenTheAxisStands) {
   target.move_to(5000);
   EXPECT_EQ(run({"plot", "x", "--csv", "-"}), ExitCode::done);
-  EXPECT_TRUE(out.starts_with("time_s,position_microsteps,velocity_internal,utc\n0.000000,"));
+  EXPECT_THAT(out, HasSubstr("\ntime_s,position_microsteps,velocity_internal,utc\n0.000000,"));
   EXPECT_THAT(out, HasSubstr(",5000,0,1970-01-01T01:00:0"));
   EXPECT_EQ(run({"plot", "x", "--for", "0.3", "--csv", "-"}), ExitCode::done);
-  EXPECT_NEAR(static_cast<double>(std::ranges::count(out, '\n')), 32, 2);
+  const auto rows = out.substr(out.find("\ntime_s") + 1);
+  EXPECT_NEAR(static_cast<double>(std::ranges::count(rows, '\n')), 32, 2);
+}
+
+TEST_F(CtlVerbs, CommentsAboveTheCsvSayWhatItIsOf) {
+  target.values["load_value"] = 17;
+  target.counts.scale->unit = "mm";
+  target.tells_position_in_mm = true;
+  EXPECT_EQ(run({"plot", "x", "--for", "0.1", "--also", "load_value", "--csv", "-"}),
+            ExitCode::done);
+  EXPECT_TRUE(out.starts_with("# tmclctl "));
+  EXPECT_THAT(out, HasSubstr("\n# begins 1970-01-01T01:00:00.000000Z\n"));
+  EXPECT_THAT(out, HasSubstr("\n# x: TMCM-1110, module 1 of bench, motor 0; unit mm of 10240 "
+                             "microsteps, velocity_internal of "));
+  EXPECT_THAT(out, HasSubstr("\n# load_value\n"));
+}
+
+TEST_F(CtlVerbs, FurtherParametersHaveTheirAgeInTheCsv) {
+  target.values["load_value"] = 17;
+  EXPECT_EQ(run({"plot", "x", "--for", "0.1", "--also", "load_value", "--csv", "-"}),
+            ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("\ntime_s,position_microsteps,velocity_internal,load_value,load_value_"
+                             "age_ms,utc\n0.000000,0,0,,,1970"));
+  EXPECT_THAT(out, HasSubstr(",0,0,17,5,1970"));
+  const auto document = json({"plot", "x", "--by", "1000", "--also", "load_value"});
+  EXPECT_TRUE(document.at("also").at("load_value").at(0).is_null()) << "read with the first look";
+  EXPECT_EQ(document.at("also").at("load_value").as_array().back(), 17) << "kept for the last";
+}
+
+TEST_F(CtlVerbs, SeveralAxesAreRecordedAndTheFirstIsMoved) {
+  EXPECT_EQ(run({"plot", "x", "y", "--to", "1000", "--csv", "-"}), ExitCode::done);
+  EXPECT_THAT(target.calls, Contains("move_to x 1000"));
+  EXPECT_THAT(target.calls, Not(Contains("move_to y 1000")));
+  EXPECT_THAT(out, HasSubstr("\ntime_s,axis,position_microsteps,velocity_internal,"
+                             "position_in_unit,velocity_in_unit,utc\n"));
+  EXPECT_THAT(out, HasSubstr(",x,1000,0,,,1970"));
+  EXPECT_THAT(out, HasSubstr(",y,1000,0,,,1970"));
+  EXPECT_EQ(run({"plot", "x", "y", "--for", "0.2"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("x position [microsteps]"));
+  EXPECT_THAT(out, HasSubstr("y velocity [internal]"));
+  const auto document = json({"plot", "x", "y", "--for", "0.2"});
+  EXPECT_EQ(document.at("axis"), "x");
+  EXPECT_EQ(document.at("beside").at(0).at("axis"), "y");
+}
+
+TEST_F(CtlVerbs, TheRecordingOfAMoveThatWasRefusedIsNotWritten) {
+  target.known_axis = "x";
+  EXPECT_EQ(run({"plot", "x", "--to", "nowhere", "--csv", "-"}), ExitCode::usage);
+  EXPECT_EQ(out, "");
+}
+
+TEST_F(CtlVerbs, TheCsvOfSeveralAxesHasNoDerivatives) {
+  EXPECT_EQ(run({"plot", "x", "y", "--show", "v,a", "--csv", "-"}), ExitCode::usage);
+  EXPECT_EQ(run({"plot"}), ExitCode::usage);
 }
 
 TEST_F(CtlVerbs, CtrlCDrawsWhatThereIs) {

@@ -52,6 +52,31 @@ TEST_F(CtlWatch, AllIsEveryAxisThatTmcldHas) {
   EXPECT_THAT(out, HasSubstr("s  x  position"));
 }
 
+TEST_F(CtlWatch, FurtherParametersAreTold) {
+  target.values["load_value"] = 17;
+  EXPECT_EQ(run({"watch", "x", "--also", "load_value,actual_current", "--for", "1"}),
+            ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("target 0  load_value 17  actual_current 0  at target\n"));
+  EXPECT_EQ(run({"watch", "x", "--also", "load_value", "--for", "1", "--json"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr(R"("samples":[{"parameter":"load_value","number":0,"value":17,)"));
+}
+
+TEST_F(CtlWatch, RowsAreWrittenAsTheyCome) {
+  target.values["load_value"] = 17;
+  target.move_to(1000);
+  EXPECT_EQ(run({"watch", "x", "y", "--also", "load_value", "--for", "1", "--csv", "-"}),
+            ExitCode::done);
+  EXPECT_TRUE(out.starts_with("# tmclctl "));
+  EXPECT_THAT(out,
+              HasSubstr("\ntime_s,axis,position_microsteps,velocity_internal,position_in_unit,"
+                        "velocity_in_unit,load_value,load_value_in_unit,load_value_age_ms,utc\n"
+                        "0.000000,x,0,100,,,17,,5,1970"));
+  EXPECT_THAT(out, HasSubstr(",y,1000,0,,,17,,5,1970"));
+  EXPECT_EQ(run({"watch", "x", "--json", "--csv", "-"}), ExitCode::usage);
+  EXPECT_EQ(run({"watch", "x", "--csv", "/nowhere/at/all.csv"}), ExitCode::usage);
+  EXPECT_EQ(out, "");
+}
+
 TEST_F(CtlWatch, EitherAxesOrAllAreNamed) {
   EXPECT_EQ(run({"watch"}), ExitCode::usage);
   EXPECT_EQ(run({"watch", "x", "--all"}), ExitCode::usage);

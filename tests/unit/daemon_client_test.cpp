@@ -227,7 +227,7 @@ TEST_F(DaemonClients, SubscriptionsTakeTurns) {
   const auto watching = daemon.on_reactor([&] {
     auto both = std::make_shared<Subscriptions>([&] { ++offers; });
     const auto axis = daemon.daemon().gateway().find_axis("x");
-    for (int i = 0; i < 2; ++i) both->add({{axis, {}}}, shortest_poll_interval);
+    for (int i = 0; i < 2; ++i) both->add({{axis, {}}}, {shortest_poll_interval});
     return both;
   });
   for (int position = 1; position <= 8; ++position) {

@@ -42,6 +42,19 @@ TEST_F(StateByAge, IsReadAnewBehindACommand) {
   EXPECT_EQ(requests([&] { state(60'000); }), 0U);
 }
 
+TEST_F(StateByAge, TellsOfEachStopAlsoOfAnAxisThatStands) {
+  const auto last_stop = [&] { return state(0).at("last_stop").to_number<std::uint64_t>(); };
+  const auto at_first = last_stop();
+  gateway.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 77}, {"predict", false}});
+  EXPECT_EQ(last_stop(), at_first);
+  gateway.call("axis.stop", {{"axis", "x"}});
+  const auto stopped = last_stop();
+  EXPECT_GT(stopped, at_first);
+  EXPECT_EQ(last_stop(), stopped);
+  gateway.call("system.stop_all", {});
+  EXPECT_GT(last_stop(), stopped);
+}
+
 TEST_F(StateByAge, IsReadAnewBehindALostLink) {
   state(0);
   gateway.wire.unplug();

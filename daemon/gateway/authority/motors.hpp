@@ -170,6 +170,10 @@ class Motors {
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
+  /// The number of the last one, among calls and stops; 0: there was none.
+  std::uint64_t last_stop_of(tmcl::AxisAddress motor) const {
+    return state_of(motor, {}).last_stop;
+  }
   /// The strictest verdict on what a request concerns, and the motor that it is about.
   struct Judgement {
     Verdict verdict{};

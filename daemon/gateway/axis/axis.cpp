@@ -356,6 +356,11 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
   }
 }
 
+GatewayAxis::Awaitable<ParameterSample> GatewayAxis::sample(std::uint8_t parameter,
+                                                            std::uint64_t client) {
+  return perform(units_.sample(parameter), asked_by(client));
+}
+
 boost::asio::awaitable<std::optional<tmcl::Result<AxisReading>>> GatewayAxis::look_for(
     std::uint64_t client) {
   auto reading = co_await look(client);

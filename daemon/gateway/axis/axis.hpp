@@ -131,6 +131,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// At most so old, and not from before the last command on its bus: answered without the bus if
   /// it was just read. `client`: as for warnings().
   Awaitable<AxisReading> read_state(tmcl::Duration max_age = {}, std::uint64_t client = 0);
+  /// A parameter with what it is in the unit of the axis. `client`: as for warnings().
+  Awaitable<ParameterSample> sample(std::uint8_t parameter, std::uint64_t client = 0);
 
   // What AxisUnits knows.
   Awaitable<std::optional<tmcl::ModuleUnits>> module_units();
@@ -144,6 +146,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   bool turns() const { return bus().motors().turning_of(address()).number != 0; }
   /// It turns, and stops for no client that goes.
   bool is_unattended() const { return turns() && holder().client == 0; }
+  /// Grows whenever it is stopped, also where it stands.
+  std::uint64_t last_stop() const { return bus().motors().last_stop_of(address()); }
   /// Who alone may move it.
   Holder holder() const { return bus().motors().holder_of(address()); }
   /// Who moves it now.

@@ -148,6 +148,27 @@ AxisUnits::Script<AxisReading> AxisUnits::reading() {
   co_return reading;
 }
 
+AxisUnits::Script<ParameterSample> AxisUnits::sample(std::uint8_t parameter) {
+  ParameterSample sample{parameter};
+  sample.taken = co_await tmcl::current_time();
+  const auto value = co_await tmcl::verbs::get(axis_.address(), parameter);
+  if (!value) co_return tl::unexpected(value.error());
+  sample.value = *value;
+  const auto* row = find_parameter(axis_.parameters(), parameter);
+  const bool has_unit = row != nullptr && dimension_of(*row) != tmcl::Dimension::other;
+  if (!has_unit || axis_.config().scale.unit.empty()) co_return sample;
+  const auto scale = co_await this->scale();
+  if (!scale) co_return tl::unexpected(scale.error());
+  const auto module = co_await module_units();
+  if (!module) co_return tl::unexpected(module.error());
+  if (!*scale) co_return sample;
+  const tmcl::AxisUnits units{axis_.name(), axis_.module().model(),
+                              *module,      *scale,
+                              {},           axis_.config().scale.encoder_counts_per_unit};
+  if (auto in_unit = from_parameter(*value, units, *row)) sample.in_unit = std::move(*in_unit);
+  co_return sample;
+}
+
 void AxisUnits::note_set(std::uint8_t parameter, std::optional<std::int32_t> held) {
   const Epoch before{axis_.module().settings_epoch(), changes_ - 1};
   const bool was_known = held && ramp_ && ramp_->epoch == before;

@@ -13,6 +13,7 @@
 #include "gateway/axis/axis_context.hpp"
 #include "tmcl/conversion.hpp"
 #include "tmcl/plan/axis_twin.hpp"
+#include "tmcl/quantity.hpp"
 
 namespace tmcld {
 
@@ -37,6 +38,15 @@ struct AxisReading {
   std::optional<double> velocity_pps;  ///< Nothing where the model is not known.
   std::optional<UserReading> user;     ///< Nothing without a unit.
   tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
+};
+
+/// A parameter of an axis, as it was read.
+struct ParameterSample {
+  std::uint8_t parameter = 0;
+  std::int32_t value = 0;
+  std::optional<tmcl::Quantity>
+      in_unit{};            ///< Nothing without a unit, and where none belongs to it.
+  tmcl::TimePoint taken{};  ///< When reading it began.
 };
 
 /// Whether the settings of a ramp are read where they are not known.
@@ -75,6 +85,7 @@ class AxisUnits {
     return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
   }
   Script<AxisReading> reading();
+  Script<ParameterSample> sample(std::uint8_t parameter);
 
   /// This parameter may have been set: said before and after it is. `held`: its module says that
   /// it has this value now, so that what was known of its ramp before stays known.

@@ -1,12 +1,16 @@
 #include "gateway/axis/poller.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "async/spawn.hpp"
 
 namespace tmcld {
 namespace {
+
+// Sampling takes one of them, and leaves the others to the look and to who else uses the bus.
+constexpr int parts_of_interval = 2;
 
 bool is_same(const AxisReading& one, const AxisReading& other) {
   const auto& a = one.state;
@@ -20,6 +24,10 @@ bool is_same(const AxisReading& one, const AxisReading& other) {
 
 AxisWatch::~AxisWatch() {
   if (poller_) poller_->remove(id_);
+}
+
+void AxisWatch::sample(std::vector<std::uint8_t> parameters) {
+  poller_->watchers_.at(id_).parameters = std::move(parameters);
 }
 
 AxisWatch AxisPoller::watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration interval,
@@ -47,10 +55,54 @@ tmcl::Duration AxisPoller::interval(const GatewayAxis& axis) const {
   return axis.bus().has_paths() ? std::max(shortest, shortest_poll_interval_beside_path) : shortest;
 }
 
-PublishedReading AxisPoller::number(const AxisReading& reading) {
+PublishedReading AxisPoller::number(const AxisReading& reading,
+                                    const std::vector<ParameterSample>& samples) {
+  for (const auto& sample : samples) keep(sample);
   if (last_.seq == 0 || !is_same(last_.reading, reading)) ++last_.seq;
   last_.reading = reading;
   return last_;
+}
+
+std::map<std::uint8_t, tmcl::Duration> AxisPoller::parameters() const {
+  std::map<std::uint8_t, tmcl::Duration> all;
+  for (const auto& [id, watcher] : watchers_) {
+    for (const auto parameter : watcher.parameters) {
+      const auto [known, is_new] = all.emplace(parameter, watcher.interval);
+      if (!is_new) known->second = std::min(known->second, watcher.interval);
+    }
+  }
+  return all;
+}
+
+bool AxisPoller::is_due(std::uint8_t parameter, tmcl::Duration interval) const {
+  const auto read = std::ranges::find(last_.samples, parameter, &ParameterSample::parameter);
+  // As late in its own turn as it may be read.
+  return read == last_.samples.end() || clock_.now() - read->taken >= interval / parts_of_interval;
+}
+
+void AxisPoller::keep(const ParameterSample& sample) {
+  const auto before =
+      std::ranges::find(last_.samples, sample.parameter, &ParameterSample::parameter);
+  if (before == last_.samples.end()) {
+    last_.samples.push_back(sample);
+  } else {
+    *before = sample;
+  }
+}
+
+boost::asio::awaitable<void> AxisPoller::sample(GatewayAxis& axis, tmcl::Duration interval) {
+  const auto all = parameters();
+  std::erase_if(last_.samples, [&](const auto& sample) { return !all.contains(sample.parameter); });
+  const auto share = axis.bus().has_paths() ? tmcl::Duration{} : interval / parts_of_interval;
+  const auto until = clock_.now() + share;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto place = static_cast<std::ptrdiff_t>(turn_++ % all.size());
+    const auto& [parameter, wanted_every] = *std::next(all.begin(), place);
+    if (!is_due(parameter, wanted_every)) continue;
+    const auto read = co_await axis.sample(parameter);
+    if (read) keep(*read);
+    if (!read || clock_.now() >= until) break;
+  }
 }
 
 void AxisPoller::tell(const PublishedReading& reading, tmcl::TimePoint tick) {
@@ -71,6 +123,7 @@ boost::asio::awaitable<void> AxisPoller::run(std::shared_ptr<AxisPoller> self,
     const auto interval = self->interval(*axis);
     const auto late = self->clock_.now() - tick;
     tick += interval * std::max<tmcl::Duration::rep>(late / interval, 1);
+    co_await self->sample(*axis, interval);
     const auto reading = co_await axis->read_state();
     // Silence is told once, as an event of the module.
     if (reading) self->tell(self->number(*reading), tick);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <vector>
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
@@ -22,7 +23,9 @@ constexpr tmcl::Duration longest_poll_interval = std::chrono::milliseconds(60000
 /// A look that those who watch are told of.
 struct PublishedReading {
   AxisReading reading;
-  std::uint64_t seq = 0;  ///< Grows by one whenever something in it changed; of the axis.
+  std::uint64_t seq = 0;  ///< Grows by one whenever something in `reading` changed; of the axis.
+  /// What watchers have sampled, as it was read last; without what was not read yet.
+  std::vector<ParameterSample> samples{};
 };
 
 /// Told of every look, whether anything changed or not. `tick`: when the look was due; ticks are
@@ -42,6 +45,8 @@ class AxisWatch {
     return *this;
   }
   ~AxisWatch();
+  /// From now on these parameters are read, too.
+  void sample(std::vector<std::uint8_t> parameters);
 
  private:
   std::shared_ptr<AxisPoller> poller_;
@@ -51,25 +56,36 @@ class AxisWatch {
 /// One for each axis, however many watch: the shortest interval asked for wins. Reads
 /// nothing without a watcher. A look that takes longer than the interval costs ticks, and never
 /// piles up.
+///
+/// Parameters that are sampled are read before a look, one after the other, for as long as half of
+/// the interval lasts, at least one; beside a path it is one. The others come before the next look.
+/// None is read more than twice in the interval of those who want it, however often others look.
 class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
  public:
   explicit AxisPoller(const boost::asio::any_io_executor& executor)
       : executor_(executor), clock_(executor), changed_(executor) {}
 
   AxisWatch watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration interval, OnReading on_reading);
-  /// Numbers a look that was taken for someone who begins to watch.
-  PublishedReading number(const AxisReading& reading);
+  /// Numbers a look that was taken for someone who begins to watch, with what was read beside it.
+  PublishedReading number(const AxisReading& reading,
+                          const std::vector<ParameterSample>& samples = {});
 
  private:
   friend class AxisWatch;
   struct Watcher {
     tmcl::Duration interval;
     OnReading on_reading;
+    std::vector<std::uint8_t> parameters{};
   };
 
   void remove(std::uint64_t id);
   tmcl::Duration interval(const GatewayAxis& axis) const;
   void tell(const PublishedReading& reading, tmcl::TimePoint tick);
+  /// Of all watchers, with the shortest interval of those that name it.
+  std::map<std::uint8_t, tmcl::Duration> parameters() const;
+  bool is_due(std::uint8_t parameter, tmcl::Duration interval) const;
+  void keep(const ParameterSample& sample);
+  boost::asio::awaitable<void> sample(GatewayAxis& axis, tmcl::Duration interval);
   static boost::asio::awaitable<void> run(std::shared_ptr<AxisPoller> self,
                                           std::shared_ptr<GatewayAxis> axis);
 
@@ -78,6 +94,7 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
   Wake changed_;
   bool running_ = false;
   PublishedReading last_;
+  std::size_t turn_ = 0;  ///< Which of the parameters is read next.
   std::uint64_t last_id_ = 0;
   std::map<std::uint64_t, Watcher> watchers_;
 };

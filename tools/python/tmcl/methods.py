@@ -1043,6 +1043,8 @@ class State(Record):
     #: supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than
     #: tmcld has stopped it) or unknown; null while it moves or where that is not known
     stop_cause: str | None = None
+    #: grows whenever a client, or tmcld itself, has it stopped: also where it stands
+    last_stop: int = 0
     #: how old the oldest of these values is
     age_ms: int = 0
     #: number of its lease; null if it has none
@@ -1421,6 +1423,22 @@ class StoppedAxes(Record):
 
 
 @dataclass(frozen=True)
+class SubscribeStatesSamples(Record):
+    #: standard name; null if the number has none
+    parameter: str | None = None
+    #: number of the axis parameter
+    number: int = 0
+    #: its value
+    value: int = 0
+    #: what the next one is in, such as mm/s; null if there is none
+    unit: str | None = None
+    #: its value in the axis' unit
+    value_in_unit: float | None = None
+    #: how old the value is
+    age_ms: int = 0
+
+
+@dataclass(frozen=True)
 class WatchedState(Record):
     #: name of the axis
     axis: str = ""
@@ -1454,6 +1472,8 @@ class WatchedState(Record):
     #: supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than
     #: tmcld has stopped it) or unknown; null while it moves or where that is not known
     stop_cause: str | None = None
+    #: grows whenever a client, or tmcld itself, has it stopped: also where it stands
+    last_stop: int = 0
     #: how old the oldest of these values is
     age_ms: int = 0
     #: number of its lease; null if it has none
@@ -1467,11 +1487,13 @@ class WatchedState(Record):
     unrestored: tuple[AxisGetRampSettings, ...] = ()
     #: what is wrong with its driver or its supply, as axis.get_errors names it
     faults: tuple[str, ...] = ()
+    #: the parameters that the subscription names, as they were read last
+    samples: tuple[SubscribeStatesSamples, ...] = ()
     #: counts the states of the axis
     seq: int = 0
     #: when it was read, on the daemon's monotonic clock
     event_time_ms: int = 0
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings}
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings, "samples": SubscribeStatesSamples}
 
 
 @dataclass(frozen=True)
@@ -2409,9 +2431,11 @@ class Methods:
         *,
         axes: Sequence[str] | None = None,
         interval_ms: int | None = None,
+        parameters: Sequence[str] | None = None,
+        every_look: bool | None = None,
     ) -> Subscribe:
         """`subscribe` tells of states by notify_state whenever they change, and of events."""
-        return Subscribe.of(self._call("subscribe", {"axes": axes, "interval_ms": interval_ms}))
+        return Subscribe.of(self._call("subscribe", {"axes": axes, "interval_ms": interval_ms, "parameters": parameters, "every_look": every_look}))
 
     def unsubscribe(self, subscription: int) -> None:
         """`unsubscribe` ends a subscription."""
@@ -3342,9 +3366,11 @@ class AsyncMethods:
         *,
         axes: Sequence[str] | None = None,
         interval_ms: int | None = None,
+        parameters: Sequence[str] | None = None,
+        every_look: bool | None = None,
     ) -> Subscribe:
         """`subscribe` tells of states by notify_state whenever they change, and of events."""
-        return Subscribe.of(await self._call("subscribe", {"axes": axes, "interval_ms": interval_ms}))
+        return Subscribe.of(await self._call("subscribe", {"axes": axes, "interval_ms": interval_ms, "parameters": parameters, "every_look": every_look}))
 
     async def unsubscribe(self, subscription: int) -> None:
         """`unsubscribe` ends a subscription."""

@@ -122,7 +122,7 @@ Result<tmcl::api::axis::StartedMove> start_move(const std::string& axis, const T
 
 Result<Warnings> follow(const Journey& journey, Context& context,
                         const std::function<void(const AxisReading&)>& on_reading) {
-  Wait wait{journey.axis, journey.goal, journey.interval};
+  Wait wait{journey.axis, journey.goal, journey.interval, {}, journey.beside};
   // Nothing left is no time limit, to a gateway.
   if (journey.timeout) {
     const auto passed = context.host.now() - journey.started_at;
@@ -132,7 +132,8 @@ Result<Warnings> follow(const Journey& journey, Context& context,
   auto stands = wait_for(
       wait,
       [&](const AxisReading& reading) {
-        last = reading;
+        const auto& others = journey.beside.axes;
+        if (std::ranges::find(others, reading.axis) == others.end()) last = reading;
         on_reading(reading);
       },
       context);

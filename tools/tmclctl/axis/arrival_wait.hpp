@@ -26,11 +26,12 @@ struct Journey {
   std::optional<tmcl::Duration> timeout{};
   /// The goal in the unit of the axis: then everything is told in that.
   std::optional<InUnit> goal_in_unit{};
+  Beside beside{};
 };
 
 /// What the settings of the axis make of moves, once it stands at its goal and stays there, or why
 /// it is not waited for any longer: interrupted by someone else, by a signal, by the time
-/// limit, or because it does not answer.
+/// limit, or because it does not answer. Readings of other axes are told, too.
 Result<Warnings> follow(const Journey& journey, Context& context,
                         const std::function<void(const AxisReading&)>& on_reading);
 

@@ -12,13 +12,17 @@ namespace api = tmcl::api;
 namespace json = boost::json;
 using tmcl::client::Hearing;
 
-// An axis that says nothing for so long while it is watched is asked whether it is still there.
-constexpr auto doubtful_silence = std::chrono::seconds(1);
 // Of one call that waits: shorter than any client waits for an answer.
 constexpr tmcl::Duration longest_wait_call = std::chrono::seconds(5);
 
 AxisReading reading_of(const api::axis::State& state, const Context& context) {
   return {state, context.host.now() - std::chrono::milliseconds(state.age_ms)};
+}
+AxisReading reading_of(const api::PublishedState& state, const Context& context) {
+  const api::axis::State& plain = state;
+  auto reading = reading_of(plain, context);
+  reading.samples = state.samples;
+  return reading;
 }
 
 std::int32_t in_milliseconds(tmcl::Duration interval) {
@@ -87,8 +91,12 @@ Result<Warnings> wait_for(const Wait& wait,
   std::optional<Hearing<api::NewState>> hearing(
       std::in_place, context.gateway.caller, api::NewState::notification,
       [&](const api::NewState& news) { on_reading(reading_of(news, context)); });
-  const auto subscribed =
-      context.call(api::Subscribe{{{wait.axis}}, in_milliseconds(wait.interval)});
+  api::Subscribe subscribe{{{wait.axis}}, in_milliseconds(wait.interval)};
+  const auto& [others, parameters, every_look] = wait.beside;
+  subscribe.axes->insert(subscribe.axes->end(), others.begin(), others.end());
+  if (!parameters.empty()) subscribe.parameters = parameters;
+  if (every_look) subscribe.every_look = true;
+  const auto subscribed = context.call(subscribe);
   if (!subscribed) return tl::unexpected(subscribed.error());
   for (const auto& now : subscribed->states) on_reading(reading_of(now, context));
   auto stands = await_standing(wait, context);
@@ -132,7 +140,7 @@ class News {
       if (event != nullptr && watcher_.on_event) watcher_.on_event(*event);
     }
   }
-  void tell(const api::axis::State& state) {
+  void tell(const api::PublishedState& state) {
     if (watcher_.on_reading) watcher_.on_reading(state.axis, reading_of(state, context_));
   }
 
@@ -144,11 +152,12 @@ class News {
 
 }  // namespace
 
-Result<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
-                        const AxesWatcher& watcher, Context& context) {
+Result<void> watch_axes(const Watched& watched, const AxesWatcher& watcher, Context& context) {
   News news(watcher, context);
-  api::Subscribe subscribe{.interval_ms = in_milliseconds(interval)};
-  if (!axes.empty()) subscribe.axes = axes;
+  api::Subscribe subscribe{.interval_ms = in_milliseconds(watched.interval)};
+  if (!watched.axes.empty()) subscribe.axes = watched.axes;
+  if (!watched.parameters.empty()) subscribe.parameters = watched.parameters;
+  if (watched.every_look) subscribe.every_look = true;
   const auto subscribed = context.call(subscribe);
   if (!subscribed) return tl::unexpected(subscribed.error());
   for (const auto& state : subscribed->states) news.tell(state);

@@ -15,6 +15,8 @@ namespace tmclctl {
 /// What an axis does, and when that was so.
 struct AxisReading : tmcl::api::axis::State {
   tmcl::TimePoint taken_at{};
+  /// Further parameters, where they were asked for.
+  std::vector<tmcl::api::Sample> samples{};
 };
 
 Result<AxisReading> state_of(const std::string& axis, Context& context);
@@ -27,6 +29,13 @@ Result<void> watch(const std::string& axis, tmcl::Duration interval,
 /// Warnings about moves with the settings of an axis.
 using Warnings = std::vector<std::string>;
 
+/// What is told beside a movement.
+struct Beside {
+  std::vector<std::string> axes{};        ///< Others; those of the daemon's names.
+  std::vector<std::string> parameters{};  ///< Of all axes.
+  bool every_look = false;                ///< Also readings that say nothing new.
+};
+
 /// For an axis to stand where it was sent.
 struct Wait {
   std::string axis;
@@ -34,6 +43,7 @@ struct Wait {
   tmcl::Duration interval;  ///< Between two readings.
   /// At least shortest_wait; nothing: as long as it takes.
   std::optional<tmcl::Duration> at_most{};
+  Beside beside{};
 };
 constexpr tmcl::Duration shortest_wait = std::chrono::milliseconds(1);
 
@@ -52,11 +62,17 @@ struct AxesWatcher {
   std::function<void(const tmcl::api::Event& event)> on_event;
   std::function<bool()> wanted;  ///< Asked ten times a second; false ends the watching.
 };
-/// Those that the configuration names if `axes` is empty. Modules that do not answer do not end
-/// it.
-Result<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
-                        const AxesWatcher& watcher, Context& context);
+struct Watched {
+  std::vector<std::string> axes;  ///< Empty: those that the configuration names.
+  tmcl::Duration interval;
+  std::vector<std::string> parameters{};  ///< That are read beside their states.
+  bool every_look = false;                ///< Also readings that say nothing new.
+};
+/// Modules that do not answer do not end it.
+Result<void> watch_axes(const Watched& watched, const AxesWatcher& watcher, Context& context);
 
+/// An axis that says nothing for so long while it is watched is asked whether it is still there.
+constexpr tmcl::Duration doubtful_silence = std::chrono::seconds(1);
 /// How often who watches gets to look at the clock and at signals when nothing changes.
 constexpr auto longest_silence = std::chrono::milliseconds(100);
 

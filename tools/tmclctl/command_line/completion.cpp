@@ -92,6 +92,7 @@ struct Choice {
 };
 constexpr auto choices = std::to_array<Choice>({
     {"", "--bus", "buses", ""},
+    {"", "--also", "parameters", ""},
     {"", "--channel", "parameters", ""},
     {"", "--generator", "generators", ""},
     {"", "--model", "models", ""},

@@ -102,6 +102,8 @@ struct State {
 struct Watch {
   std::vector<std::string> axes;
   bool all = false;
+  std::vector<std::string> also;  ///< Further parameters.
+  std::string csv;                ///< Empty: none; "-": standard output instead of the text.
   std::chrono::milliseconds interval{100};
   std::optional<double> for_s;
   bool internal = false;
@@ -125,9 +127,10 @@ struct Trace {
   bool not_mine = false;            ///< Nothing that programs of this terminal have asked.
 };
 struct Plot {
-  std::string axis;
-  std::string to;  ///< Empty: none.
-  std::string by;  ///< Empty: none.
+  std::vector<std::string> axes;  ///< At least one; the first is moved.
+  std::vector<std::string> also;  ///< Further parameters.
+  std::string to;                 ///< Empty: none.
+  std::string by;                 ///< Empty: none.
   std::optional<double> for_s;
   std::string svg;   ///< Empty: none.
   std::string csv;   ///< Empty: none; "-": standard output instead of the drawing.

@@ -28,11 +28,10 @@ bool is_away(const Error& failure) {
   return failure.name == lost || failure.name == unreachable || failure.name == timeout;
 }
 
-Result<void> keep_watching(const std::vector<std::string>& axes, tmcl::Duration interval,
-                           const AxesWatcher& watcher,
+Result<void> keep_watching(const Watched& wanted, const AxesWatcher& watcher,
                            const std::function<void(const Error*)>& on_away, Context& context) {
   while (true) {
-    const auto watched = watch_axes(axes, interval, watcher, context);
+    const auto watched = watch_axes(wanted, watcher, context);
     // A signal ends a call, too, and that is how a watching ends.
     if (watched || context.host.signal() != 0) return {};
     if (!is_away(watched.error())) return watched;

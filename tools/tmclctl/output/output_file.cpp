@@ -19,9 +19,14 @@ Result<void> OutputFile::open(const std::string& path) {
 }
 
 Result<void> OutputFile::write(const std::string& text) {
-  if (!file_.is_open()) return {};
-  file_ << text;
+  auto written = append(text);
   file_.close();
+  return written;
+}
+
+Result<void> OutputFile::append(const std::string& text) {
+  if (!file_.is_open()) return {};
+  file_ << text << std::flush;
   if (file_) return {};
   // What was to be written has happened already.
   auto failure = problem();

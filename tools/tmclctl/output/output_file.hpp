@@ -15,6 +15,8 @@ class OutputFile {
   Result<void> open(const std::string& path);
   /// All of its contents, once they are known.
   Result<void> write(const std::string& text);
+  /// More of its contents: they are there for others at once.
+  Result<void> append(const std::string& text);
 
  private:
   Error problem() const;

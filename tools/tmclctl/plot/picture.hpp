@@ -19,7 +19,11 @@ struct Picture {
   std::vector<Mark> marks;    ///< Ascending by time.
 };
 
-/// From top to bottom; as usual if nothing is asked for.
+/// From top to bottom; as usual if nothing is asked for. Further parameters are below.
 Picture picture_of(const Recording& recording, const Shown& shown = {});
+/// Draws another axis below.
+void add(const Recording& recording, const Shown& shown, Picture& picture);
+/// From now on curves are called "x position", after their axis.
+void name_after(const std::string& axis, Picture& picture);
 
 }  // namespace tmclctl::plot

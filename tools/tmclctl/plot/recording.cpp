@@ -47,13 +47,15 @@ std::vector<double> breaks_of(const Recording& recording) {
   return breaks;
 }
 
-/// "acceleration_mm_per_s2"
-std::string column_of(const Curve& curve) {
-  auto name = curve.name + '_' + curve.unit;
-  std::erase(name, '^');
-  const auto slash = name.find('/');
-  return slash == std::string::npos ? name : name.replace(slash, 1, "_per_");
+/// "mm_per_s2"
+std::string in_a_name(std::string unit) {
+  std::erase(unit, '^');
+  const auto slash = unit.find('/');
+  return slash == std::string::npos ? unit : unit.replace(slash, 1, "_per_");
 }
+
+/// "acceleration_mm_per_s2"
+std::string column_of(const Curve& curve) { return curve.name + '_' + in_a_name(curve.unit); }
 
 bool knows_accelerations(const Recording& recording) {
   return !recording.samples.empty() && recording.samples.front().acceleration;
@@ -114,6 +116,23 @@ Curve jerk_curve(const Recording& recording) {
                     breaks_of(recording));
 }
 
+std::vector<Curve> also_curves(const Recording& recording) {
+  std::vector<Curve> curves;
+  for (std::size_t i = 0; i < recording.also.size(); ++i) {
+    const auto& [name, unit] = recording.also[i];
+    // Drawn like an acceleration: in a colour that position and velocity do not have.
+    Curve curve{name, unit.empty() ? "internal" : unit, {}, {}, {}, "acceleration"};
+    for (const auto& sample : recording.samples) {
+      if (i >= sample.also.size() || !sample.also[i]) continue;
+      const auto& read = *sample.also[i];
+      curve.times.push_back(sample.time);
+      curve.values.push_back(read.in_unit.value_or(read.value));
+    }
+    if (!curve.times.empty()) curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
 std::string summary(const Recording& recording) {
   if (recording.samples.empty()) return fmt::format("{}: nothing was recorded", recording.axis);
   const auto& first = recording.samples.front();
@@ -131,30 +150,86 @@ std::string summary(const Recording& recording) {
       recording.user ? recording.velocity_unit : '[' + recording.velocity_unit + ']');
 }
 
-std::string to_csv(const Recording& recording, const Shown& shown) {
+namespace {
+
+std::vector<Curve> changes_of(const Recording& recording, const Shown& shown) {
   std::vector<Curve> changes;
   if (std::ranges::count(shown, Quantity::acceleration) > 0)
     changes.push_back(acceleration_curve(recording));
   if (std::ranges::count(shown, Quantity::jerk) > 0) changes.push_back(jerk_curve(recording));
-  std::string text = "time_s,position_microsteps,velocity_internal";
-  if (const auto& user = recording.user)
+  return changes;
+}
+
+/// `more`: the names of further columns, each with a comma before it.
+std::string columns(const Recording& recording, Rows rows, const std::string& more) {
+  const bool several = rows == Rows::of_several;
+  std::string text = several ? "time_s,axis" : "time_s";
+  text += ",position_microsteps,velocity_internal";
+  if (several) {
+    text += ",position_in_unit,velocity_in_unit";
+  } else if (const auto& user = recording.user) {
     text += fmt::format(",position_{0},velocity_{0}_per_s", user->scale.unit);
-  for (const auto& curve : changes) text += ',' + column_of(curve);
-  text += recording.begin_utc ? ",utc\n" : "\n";
+  }
+  for (const auto& [name, unit] : recording.also) {
+    text += ',' + name;
+    if (several || !unit.empty())
+      text += ',' + name + '_' + (several ? "in_unit" : in_a_name(unit));
+    text += ',' + name + "_age_ms";
+  }
+  return text + more + (recording.begin_utc ? ",utc\n" : "\n");
+}
+
+/// The cells of a further parameter, each with a comma before it.
+std::string cells(const std::optional<ParameterValue>& value, bool has_unit) {
+  if (!value) return has_unit ? ",,," : ",,";
+  auto text = fmt::format(",{}", value->value);
+  if (has_unit) text += ',' + (value->in_unit ? tmcl::plain_number(*value->in_unit, 12) : "");
+  return text + fmt::format(",{}", value->age_ms);
+}
+
+std::string row(const Recording& recording, const Sample& sample, Rows rows,
+                const std::string& more) {
+  const bool several = rows == Rows::of_several;
+  std::string text = fmt::format("{:.6f}", sample.time);
+  if (several) text += ',' + recording.axis;
+  text += fmt::format(",{},{}", sample.position, sample.velocity);
+  if (recording.user) {
+    text += ',' + tmcl::plain_number(position_of(sample, recording), 12) + ',' +
+            tmcl::plain_number(velocity_of(sample, recording), 12);
+  } else if (several) {
+    text += ",,";
+  }
+  for (std::size_t i = 0; i < recording.also.size(); ++i) {
+    const auto value = i < sample.also.size() ? sample.also[i] : std::nullopt;
+    text += cells(value, several || !recording.also[i].unit.empty());
+  }
+  text += more;
+  if (recording.begin_utc) {
+    const auto time = std::chrono::duration<double>(sample.time);
+    text += ',' + tmcl::to_text(*recording.begin_utc + std::chrono::round<tmcl::Duration>(time));
+  }
+  return text + '\n';
+}
+
+}  // namespace
+
+std::string csv_columns(const Recording& recording, Rows rows) {
+  return columns(recording, rows, "");
+}
+
+std::string csv_row(const Recording& recording, const Sample& sample, Rows rows) {
+  return row(recording, sample, rows, "");
+}
+
+std::string to_csv(const Recording& recording, const Shown& shown) {
+  const auto changes = changes_of(recording, shown);
+  std::string names;
+  for (const auto& curve : changes) names += ',' + column_of(curve);
+  auto text = columns(recording, Rows::of_one, names);
   for (std::size_t i = 0; i < recording.samples.size(); ++i) {
-    const auto& sample = recording.samples[i];
-    auto end = std::back_inserter(text);
-    fmt::format_to(end, "{:.6f},{},{}", sample.time, sample.position, sample.velocity);
-    if (recording.user) {
-      fmt::format_to(end, ",{},{}", tmcl::plain_number(position_of(sample, recording), 12),
-                     tmcl::plain_number(velocity_of(sample, recording), 12));
-    }
-    for (const auto& curve : changes) text += ',' + tmcl::plain_number(curve.values[i], 6);
-    if (recording.begin_utc) {
-      const auto time = std::chrono::duration<double>(sample.time);
-      text += ',' + tmcl::to_text(*recording.begin_utc + std::chrono::round<tmcl::Duration>(time));
-    }
-    text += '\n';
+    std::string values;
+    for (const auto& curve : changes) values += ',' + tmcl::plain_number(curve.values[i], 6);
+    text += row(recording, recording.samples[i], Rows::of_one, values);
   }
   return text;
 }

@@ -6,6 +6,7 @@
 
 #include "axis/arrival_wait.hpp"
 #include "axis/prediction_text.hpp"
+#include "axis/recording_csv.hpp"
 #include "output/output_file.hpp"
 #include "output/print.hpp"
 #include "output/progress_line.hpp"
@@ -26,99 +27,196 @@ constexpr double least_distance_s = 0.001;
 constexpr tmcl::Duration tolerated_delay = std::chrono::milliseconds(25);
 // An axis that stands for so long does not go on.
 constexpr tmcl::Duration standstill_limit = std::chrono::seconds(1);
-// An hour at one sample every 10 ms.
+// Of all axes together: an hour of one at a sample every 10 ms.
 constexpr std::size_t most_recorded_samples = 360'000;
+
+bool has_changes(const plot::Shown& shown) {
+  return std::ranges::any_of(shown, [](plot::Quantity quantity) {
+    return quantity == plot::Quantity::acceleration || quantity == plot::Quantity::jerk;
+  });
+}
 
 /// Collects samples, and shows that it does.
 class Recorder {
  public:
-  /// `internal`: in what the module counts.
-  Recorder(std::string axis, bool internal, Context& context)
-      : room_(context), internal_(internal), begin_(context.host.now()), line_(context.output) {
-    recording_.axis = std::move(axis);
-    recording_.begin_utc = context.host.utc();
+  Recorder(const verb::Plot& verb, RecordingCsv& csv, Context& context)
+      : verb_(verb), csv_(csv), room_(context), line_(context.output) {}
+
+  /// Finds out what is to be recorded.
+  Result<void> begin() {
+    for (const auto& axis : verb_.axes) {
+      auto recording = begin_recording(axis, verb_.also, verb_.internal, room_);
+      if (!recording) return tl::unexpected(recording.error());
+      if (!find(recording->axis)) recordings_.push_back(std::move(*recording));
+    }
+    tracks_.resize(recordings_.size());
+    for (auto& recording : recordings_) recording.begin_utc = room_.host.utc();
+    csv_.begin(recordings_);
+    // It begins when all that is known.
+    begin_ = room_.host.now();
+    for (auto& recording : recordings_) recording.begin_utc = room_.host.utc();
+    return {};
   }
 
   void add(const AxisReading& reading) {
-    has_unit_ = has_unit_ || reading.position;
-    // One that took much longer than usual does not say when exactly it was taken; of an axis that
-    // stands, that does not matter.
-    const std::chrono::milliseconds age(reading.age_ms);
-    usual_age_ = std::min<tmcl::Duration>(usual_age_, age);
-    if (reading.moving && age > usual_age_ + tolerated_delay) return;
-    auto& samples = recording_.samples;
-    const double since_begin_s = std::chrono::duration<double>(reading.taken_at - begin_).count();
-    // The first one counts for the beginning, although it may be a little older or younger.
-    const double time_s = samples.empty() ? 0 : since_begin_s;
-    if (full() || (!samples.empty() && time_s < samples.back().time + least_distance_s)) return;
-    samples.push_back({time_s, reading.position_microsteps, reading.velocity_internal,
-                       std::chrono::duration<double>(age).count()});
-    line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording_.axis,
-                           time_s, position_text(reading, internal_),
-                           velocity_text(reading, internal_)));
+    const auto axis = find(reading.axis);
+    if (!axis || full()) return;
+    auto& recording = recordings_[*axis];
+    auto& track = tracks_[*axis];
+    track.heard_at = room_.host.now();
+    if (reading.moving) moving_at_ = track.heard_at;
+    if (reading.samples.empty()) {
+      auto with_samples = reading;
+      with_samples.samples = track.samples;
+      for (auto& sample : with_samples.samples)
+        sample.age_ms += in_ms(track.heard_at - track.sampled_at);
+      return add(with_samples, recording, track);
+    }
+    track.samples = reading.samples;
+    track.sampled_at = track.heard_at;
+    add(reading, recording, track);
   }
 
-  bool full() const { return recording_.samples.size() >= most_recorded_samples; }
+  bool full() const { return recorded_ >= most_recorded_samples; }
   double seconds() const {
     return std::chrono::duration<double>(room_.host.now() - begin_).count();
   }
+  /// Since any of them was seen to move.
+  tmcl::Duration stands_for() const { return room_.host.now() - std::max(moving_at_, begin_); }
+  /// One of which nothing has come lately; null if there is none.
+  const std::string* silent_axis() const {
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      const auto heard_at = std::max(tracks_[i].heard_at, begin_);
+      if (room_.host.now() - heard_at >= doubtful_silence) return &recordings_[i].axis;
+    }
+    return nullptr;
+  }
+  /// By the names that the gateway has for them.
+  std::vector<std::string> axes() const {
+    std::vector<std::string> names;
+    for (const auto& recording : recordings_) names.push_back(recording.axis);
+    return names;
+  }
 
-  /// What the recording is to be compared with.
+  /// What the first one is to be compared with.
   void expect(const tmcl::plan::AxisTwin& twin, plot::Start start) {
     twin_ = twin;
     start_ = start;
   }
   std::optional<plot::Comparison> comparison() const {
-    if (!twin_ || recording_.samples.empty()) return std::nullopt;
-    return plot::compare(recording_, *twin_, start_);
+    if (!twin_ || recordings_.front().samples.empty()) return std::nullopt;
+    return plot::compare(recordings_.front(), *twin_, start_);
   }
 
-  /// Drawn in the unit of the axis if it has one.
-  const plot::Recording& finish() {
+  /// Writes what was not written as it came.
+  const std::vector<plot::Recording>& finish() {
     line_.clear();
-    if (internal_ || !has_unit_) return recording_;
-    auto units = units_of(recording_.axis, room_);
-    // Whatever comes of it: there is something to draw.
-    if (units && units->scale && units->module)
-      plot::use({std::move(*units->scale), *units->module}, recording_);
-    return recording_;
+    if (csv_.is_wanted() && recorded_ > 0 && !is_written_) write();
+    return recordings_;
   }
+  bool has_recorded() const { return recorded_ > 0; }
+  /// A move that was refused has been seen once, where it did not begin.
+  bool has_recorded_a_while() const { return recorded_ > recordings_.size(); }
 
  private:
+  /// Of one axis.
+  struct Track {
+    tmcl::Duration usual_age = tmcl::Duration::max() / 2;
+    tmcl::TimePoint heard_at{};
+    std::vector<tmcl::api::Sample> samples{};  ///< That came last.
+    tmcl::TimePoint sampled_at{};
+  };
+
+  static std::int64_t in_ms(tmcl::Duration duration) {
+    return std::chrono::duration_cast<std::chrono::milliseconds>(duration).count();
+  }
+  std::optional<std::size_t> find(const std::string& axis) const {
+    const auto found = std::ranges::find(recordings_, axis, &plot::Recording::axis);
+    if (found == recordings_.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - recordings_.begin());
+  }
+
+  void add(const AxisReading& reading, plot::Recording& recording, Track& track) {
+    // One that took much longer than usual does not say when exactly it was taken; of an axis that
+    // stands, that does not matter.
+    const std::chrono::milliseconds age(reading.age_ms);
+    track.usual_age = std::min<tmcl::Duration>(track.usual_age, age);
+    if (reading.moving && age > track.usual_age + tolerated_delay) return;
+    auto& samples = recording.samples;
+    const double since_begin_s = std::chrono::duration<double>(reading.taken_at - begin_).count();
+    // The first one counts for the beginning, although it may be a little older or younger.
+    const double time_s = samples.empty() ? 0 : since_begin_s;
+    if (!samples.empty() && time_s < samples.back().time + least_distance_s) return;
+    samples.push_back(sample_of(reading, time_s, recording));
+    ++recorded_;
+    write_as_it_goes(recording);
+    line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording.axis,
+                           time_s, position_text(reading, verb_.internal),
+                           velocity_text(reading, verb_.internal)));
+  }
+
+  void write_as_it_goes(const plot::Recording& recording) {
+    // How fast the velocity changes is known at the end.
+    if (!csv_.is_wanted() || has_changes(verb_.show) || !has_recorded_a_while()) return;
+    if (is_written_) return csv_.add(recording, recording.samples.back());
+    write();
+  }
+  /// What there is.
+  void write() {
+    is_written_ = true;
+    if (has_changes(verb_.show)) return csv_.add(recordings_.front(), verb_.show);
+    for (const auto& recording : recordings_)
+      for (const auto& sample : recording.samples) csv_.add(recording, sample);
+  }
+
+  const verb::Plot& verb_;
+  RecordingCsv& csv_;
   Context& room_;
-  bool internal_;
-  tmcl::TimePoint begin_;
-  tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
+  tmcl::TimePoint begin_{};
+  tmcl::TimePoint moving_at_{};
   ProgressLine line_;
-  plot::Recording recording_;
-  bool has_unit_ = false;
+  std::vector<plot::Recording> recordings_;
+  std::vector<Track> tracks_;  ///< Of each of them.
+  std::size_t recorded_ = 0;
+  bool is_written_ = false;
   std::optional<tmcl::plan::AxisTwin> twin_;
   plot::Start start_;
 };
 
 using MaybeFailure = std::optional<Error>;
 
+MaybeFailure look(Recorder& recorder, Context& context) {
+  for (const auto& axis : recorder.axes()) {
+    const auto reading = state_of(axis, context);
+    if (!reading) return reading.error();
+    recorder.add(*reading);
+  }
+  return std::nullopt;
+}
+
 MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Context& context) {
-  const auto before = state_of(verb.axis, context);
-  if (!before) return before.error();
-  recorder.add(*before);
+  if (auto failure = look(recorder, context)) return failure;
   if (auto interrupted = interrupted_before_move(context)) return interrupted;
+  auto axes = recorder.axes();
+  const auto axis = axes.front();
   std::optional<tmcl::plan::AxisTwin> twin;
   if (verb.compare) {
-    const auto found = twin_of(verb.axis, context);
+    const auto found = twin_of(axis, context);
     if (!found) return found.error();
     twin = *found;
   }
   const double asked_at = recorder.seconds();
   const bool by = !verb.by.empty();
-  const auto move = start_move(verb.axis, {by ? verb.by : verb.to, verb.internal}, by, context);
+  const auto move = start_move(axis, {by ? verb.by : verb.to, verb.internal}, by, context);
   if (!move) return move.error();
   if (twin) {
     twin->move_to({move->target_microsteps});
     recorder.expect(*twin, {asked_at, recorder.seconds()});
   }
-  Journey journey{verb.axis, {move->target_microsteps}, context.host.now(), sample_interval, {},
-                  {}};
+  Journey journey{axis, {move->target_microsteps}, context.host.now(), sample_interval, {}, {}};
+  axes.erase(axes.begin());
+  // Who records more than one movement wants to know when the rest was so, too.
+  journey.beside = {axes, verb.also, !axes.empty() || !verb.also.empty()};
   if (!verb.internal) journey.goal_in_unit = in_unit(move->target, move->unit);
   if (verb.for_s) {
     journey.timeout =
@@ -132,22 +230,31 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Context& co
 }
 
 MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Context& context) {
-  auto last_moving = context.host.now();
-  while (context.host.signal() == 0 && !recorder.full()) {
-    const auto next_look = context.host.now() + sample_interval;
-    const auto reading = state_of(verb.axis, context);
-    if (!reading && context.host.signal() != 0) break;
-    if (!reading) return reading.error();
-    recorder.add(*reading);
-    if (verb.for_s && recorder.seconds() >= *verb.for_s) return std::nullopt;
-    if (reading->moving) last_moving = context.host.now();
-    const bool stands = context.host.now() - last_moving >= standstill_limit;
-    if (!verb.for_s && stands) return std::nullopt;
-    context.sleep(next_look - context.host.now());
-  }
-  if (context.host.signal() == 0) return std::nullopt;
-  return interrupted_error(context.host.signal(), fmt::format("no longer recording {}", verb.axis),
-                           "If it moves, it goes on. " + how_to_stop(verb.axis, context));
+  if (auto failure = look(recorder, context)) return failure;
+  MaybeFailure failure;
+  const auto goes_on = [&] {
+    if (failure || context.host.signal() != 0 || recorder.full()) return false;
+    if (verb.for_s && recorder.seconds() >= *verb.for_s) return false;
+    if (!verb.for_s && recorder.stands_for() >= standstill_limit) return false;
+    const auto* silent = recorder.silent_axis();
+    if (silent == nullptr) return true;
+    const auto reading = state_of(*silent, context);
+    if (reading) recorder.add(*reading);
+    if (!reading) failure = reading.error();
+    return !failure;
+  };
+  const AxesWatcher watcher{
+      .on_reading = [&](const auto&, const auto& reading) { recorder.add(reading); },
+      .on_error = [&](const auto&, const auto& error) { failure = error; },
+      .on_event = {},
+      .wanted = goes_on};
+  const auto watched =
+      watch_axes({recorder.axes(), sample_interval, verb.also, true}, watcher, context);
+  if (context.host.signal() == 0) return watched ? failure : watched.error();
+  const auto names = joined(recorder.axes());
+  return interrupted_error(
+      context.host.signal(), "no longer recording " + names,
+      "If it moves, it goes on. " + how_to_stop(recorder.axes().front(), context));
 }
 
 json::object to_json(const plot::Comparison& comparison, const plot::Recording& recording) {
@@ -158,8 +265,16 @@ json::object to_json(const plot::Comparison& comparison, const plot::Recording& 
           {"largest_difference_at_s", comparison.largest_at}};
 }
 
-json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
-                     const std::optional<plot::Comparison>& comparison) {
+json::array to_json(const plot::Recording& recording, std::size_t also) {
+  json::array values;
+  for (const auto& sample : recording.samples) {
+    const auto& value = also < sample.also.size() ? sample.also[also] : std::nullopt;
+    values.push_back(value ? json::value(value->value) : json::value(nullptr));
+  }
+  return values;
+}
+
+json::object to_json(const plot::Recording& recording) {
   json::array times;
   json::array positions;
   json::array velocities;
@@ -168,11 +283,14 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
     positions.push_back(sample.position);
     velocities.push_back(sample.velocity);
   }
+  json::object also;
+  for (std::size_t i = 0; i < recording.also.size(); ++i)
+    also[recording.also[i].name] = to_json(recording, i);
   const auto values_of = [&](const plot::Curve& curve) -> json::value {
     if (!recording.user) return nullptr;
     return json::array(curve.values.begin(), curve.values.end());
   };
-  return {{"axis", verb.axis},
+  return {{"axis", recording.axis},
           {"begin_utc", tmcl::to_text(recording.begin_utc.value())},
           {"time_s", std::move(times)},
           {"position_microsteps", std::move(positions)},
@@ -180,47 +298,57 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
           {"unit", recording.user ? json::value(recording.user->scale.unit) : json::value(nullptr)},
           {"position", values_of(plot::position_curve(recording))},
           {"velocity", values_of(plot::velocity_curve(recording))},
-          {"comparison",
-           comparison ? json::value(to_json(*comparison, recording)) : json::value(nullptr)},
-          {"svg", verb.svg.empty() ? json::value(nullptr) : json::value(verb.svg)},
-          {"csv", verb.csv.empty() ? json::value(nullptr) : json::value(verb.csv)}};
+          {"also", std::move(also)}};
 }
 
-void show(const verb::Plot& verb, const plot::Recording& recording, const plot::Picture& picture,
-          Output& output) {
-  if (verb.csv == "-") {
-    output.out << plot::to_csv(recording, verb.show);
-  } else {
-    output.out << plot::to_text(picture, output.out_screen);
-  }
+json::object to_json(const verb::Plot& verb, const std::vector<plot::Recording>& recordings,
+                     const std::optional<plot::Comparison>& comparison) {
+  const auto& first = recordings.front();
+  auto document = to_json(first);
+  json::array beside;
+  for (std::size_t i = 1; i < recordings.size(); ++i) beside.push_back(to_json(recordings[i]));
+  document["beside"] = std::move(beside);
+  document["comparison"] =
+      comparison ? json::value(to_json(*comparison, first)) : json::value(nullptr);
+  document["svg"] = verb.svg.empty() ? json::value(nullptr) : json::value(verb.svg);
+  document["csv"] = verb.csv.empty() ? json::value(nullptr) : json::value(verb.csv);
+  return document;
+}
+
+plot::Picture picture_of(const verb::Plot& verb, const std::vector<plot::Recording>& recordings,
+                         const std::optional<plot::Comparison>& comparison) {
+  const auto& first = recordings.front();
+  auto picture = comparison ? plot::picture_of(first, *comparison, verb.show)
+                            : plot::picture_of(first, verb.show);
+  if (recordings.size() > 1) plot::name_after(first.axis, picture);
+  for (std::size_t i = 1; i < recordings.size(); ++i) plot::add(recordings[i], verb.show, picture);
+  return picture;
 }
 
 Result<ExitCode> run(const verb::Plot& verb, Context& context) {
   // A move whose recording cannot be kept is not worth starting.
   OutputFile svg;
-  OutputFile csv;
+  RecordingCsv csv(context);
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
-  if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
-    return tl::unexpected(opened.error());
-  Recorder recorder(verb.axis, verb.internal, context);
+  if (auto opened = csv.open(verb.csv); !opened) return tl::unexpected(opened.error());
+  Recorder recorder(verb, csv, context);
+  if (auto begun = recorder.begin(); !begun) return tl::unexpected(begun.error());
   const bool starts_move = !verb.to.empty() || !verb.by.empty();
   const auto failure =
       starts_move ? record_move(verb, recorder, context) : record_as_it_is(verb, recorder, context);
-  const auto& recording = recorder.finish();
+  if (failure && !recorder.has_recorded_a_while()) return tl::unexpected(*failure);
+  const auto& recordings = recorder.finish();
   const auto comparison = recorder.comparison();
-  // A move that was refused has been seen once, where it did not begin.
-  const bool began = !failure || recording.samples.size() > 1;
-  if (began && !recording.samples.empty()) {
-    const auto picture = comparison ? plot::picture_of(recording, *comparison, verb.show)
-                                    : plot::picture_of(recording, verb.show);
+  if (recorder.has_recorded()) {
+    const auto picture = picture_of(verb, recordings, comparison);
     if (auto written = svg.write(plot::to_svg(picture)); !written)
       return tl::unexpected(written.error());
-    if (auto written = csv.write(plot::to_csv(recording, verb.show)); !written)
-      return tl::unexpected(written.error());
-    if (!context.output.json) show(verb, recording, picture, context.output);
+    if (!csv.written()) return tl::unexpected(csv.written().error());
+    if (!context.output.json && verb.csv != "-")
+      context.output.out << plot::to_text(picture, context.output.out_screen);
   }
   if (failure) return tl::unexpected(*failure);
-  if (context.output.json) print_json(to_json(verb, recording, comparison), context.output);
+  if (context.output.json) print_json(to_json(verb, recordings, comparison), context.output);
   return ExitCode::done;
 }
 
@@ -231,12 +359,19 @@ records until the axis stands; otherwise it records until the axis stands, or fo
 --for gives. Ctrl-C ends the recording, not the move, and draws what there is. An axis with a unit is
 drawn in that, and its CSV has two columns more.
 
+Several axes are recorded together; the first is the one that is moved. --also records further
+parameters, 8 at most, each as often as the bus has room for it: the CSV has the age of each value,
+before the row that it stands in. The CSV is written as it goes, under comments ("# ") that say what
+it is of: versions, the time of day (UTC), units and parameters. Of several axes each row names its
+own.
+
 --compare draws beside the movement what the module's ramp generator should make of it, and says by
 how much the two differ: beyond what the time can explain that command and readings took.
 
   tmclctl plot x --by 51200
   tmclctl plot x --by 51200 --compare
   tmclctl plot x --by 51200 --show v,a
+  tmclctl plot x y --by 51200 --also load_value,actual_current --csv load.csv
   tmclctl plot x --to 0 --svg move.svg --csv move.csv
   tmclctl rotate x 500 --unattended; tmclctl plot x --for 3
   tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
@@ -247,7 +382,7 @@ how much the two differ: beyond what the time can explain that command and readi
 void add_plot(Grammar& grammar) {
   auto plot = grammar.verb<verb::Plot>(
       "plot", access::acts, "Record a movement and draw position and velocity", plot_help, run);
-  plot.axis(plot->axis);
+  plot.words("AXIS", axis_meaning, texts(plot->axes));
   plot.option("--to", "POSITION", "Start a move to this position", text(plot->to));
   plot.option("--by", "DISTANCE", "Start a move by this distance", text(plot->by));
   plot.option("--for", "SECONDS", "Record for so long at most",
@@ -257,10 +392,14 @@ void add_plot(Grammar& grammar) {
               "Write the samples to this file, too; '-': to standard output instead",
               text(plot->csv));
   plot::add_show(plot, plot->show);
+  plot.option("--also", "PARAM,...", also_meaning, list(plot->also));
   plot.flag("--compare", "Draw the plan of the move as well, and how far the axis was off it",
             plot->compare);
   plot.internal(plot->internal);
   plot.object([](const verb::Plot& said, bool json) {
+    if (said.axes.empty()) return "name at least one AXIS";
+    if (said.axes.size() > 1 && !said.csv.empty() && has_changes(said.show))
+      return "the CSV of several axes has no columns for --show a and j";
     if (said.compare && said.to.empty() && said.by.empty())
       return "--compare needs a move: --to or --by";
     if (!said.to.empty() && !said.by.empty()) return "--to and --by exclude each other";

@@ -36,7 +36,7 @@ class Top {
         .on_event = {},
         .wanted = [this] { return go_on(); }};
     return keep_watching(
-        names_, verb_.interval, watcher,
+        {names_, verb_.interval}, watcher,
         [this](const Error* why) { away_ = why != nullptr ? why->message : std::string(); },
         context_);
   }

@@ -1,7 +1,7 @@
 /// The methods of the daemon itself, and what it tells unasked.
 #pragma once
 
-#include "tmcl/api/module.hpp"
+#include "tmcl/api/parameter.hpp"
 
 namespace tmcl::api {
 
@@ -65,9 +65,19 @@ struct StopAll {
 
 // ---- subscriptions ----
 
+/// Of one subscription.
+constexpr std::size_t most_sampled_parameters = 8;
+
+/// An axis parameter that a subscription names, as it was read last.
+struct Sample : parameter::Value {
+  TMCL_STRUCT(Sample, parameter::Value);
+  TMCL_FIELD(std::int64_t, age_ms, "how old the value is");
+};
 /// A state as subscribers are told it.
 struct PublishedState : axis::State {
   TMCL_STRUCT(PublishedState, axis::State);
+  TMCL_FIELD(std::vector<Sample>, samples,
+             "the parameters that the subscription names, as they were read last");
   TMCL_FIELD(std::uint64_t, seq, "counts the states of the axis");
   TMCL_FIELD(std::int64_t, event_time_ms, "when it was read, on the daemon's monotonic clock");
 };
@@ -84,6 +94,10 @@ struct Subscribe {
              "names of the axes; all of them if absent");
   TMCL_FIELD(std::optional<std::int32_t>, interval_ms,
              "least time between two states; 50 if absent", {5, 60000});
+  TMCL_FIELD(std::optional<std::vector<std::string>>, parameters,
+             "names or numbers of axis parameters that are read as well, 8 at most");
+  TMCL_FIELD(std::optional<bool>, every_look,
+             "tells of each look at an axis, whether anything has changed or not");
 };
 struct Unsubscribe {
   TMCL_METHOD("unsubscribe", reads, Nothing, "ends a subscription", Unsubscribe);
