@@ -16,6 +16,7 @@
 #include "axis/axis_names.hpp"
 #include "axis/quantity_text.hpp"
 #include "command_line/tmclctl.hpp"
+#include "tmcl/api/lease.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"
@@ -124,6 +125,8 @@ class FakeGateway final : public tmcl::client::Channel {
   std::string known_axis;                           ///< Empty: all of them.
   std::string refused_parameter;                    ///< It cannot be set.
   std::optional<std::string> stop_cause;            ///< Of stopped_by_other_after.
+  std::optional<tmcl::TimePoint> stopped_at{};      ///< Then last_stop grows.
+  std::optional<Error> renewal_failure;             ///< What lease.renew ends with.
   std::optional<Error> stop_failure;                ///< Of axis.stop only.
   Warnings warnings;                                ///< Of parameter.set and of waits.
   std::string closed_because;                       ///< Why the bus of all axes is not open.
@@ -348,6 +351,10 @@ class FakeGateway final : public tmcl::client::Channel {
       units.microsteps_per_revolution = counts.scale->steps.per_revolution();
     }
     units.encoder_counts_per_unit = counts.encoder_counts_per_unit;
+    if (counts.limits) {
+      units.soft_limit_minimum = counts.limits->least.value;
+      units.soft_limit_maximum = counts.limits->greatest.value;
+    }
     return units;
   }
   Result<api::axis::StartedMove> move(const api::axis::MoveTo& params) {
@@ -401,6 +408,7 @@ class FakeGateway final : public tmcl::client::Channel {
     reading.velocity_internal = reading.moving ? 100 * direction : 0;
     reading.position_reached = at() == target_;
     if (stopped_now()) reading.stop_cause = stop_cause;
+    reading.last_stop = stopped_at && host_.now() >= *stopped_at ? 1 : 0;
     if (user) user->put_into(reading);
     if (tells_position_in_mm)
       UserReading{"mm", at() / 10'240.0, target_ / 10'240.0, 0.5}.put_into(reading);
@@ -488,6 +496,8 @@ class FakeGateway final : public tmcl::client::Channel {
     return next;
   }
   Result<boost::json::object> answer(std::string_view method, const boost::json::object& params) {
+    if (method == api::lease::Renew::method.name && renewal_failure)
+      return tl::unexpected(*renewal_failure);
     calls.push_back(std::string(method) + ' ' + boost::json::serialize(params));
     tell(api::progress_notification, {{"phase", "writing"}, {"done", 1}, {"of", 2}, {"step", 1}});
     if (host_.signal() != 0) return tl::unexpected(cancelled());

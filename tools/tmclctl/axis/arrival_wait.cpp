@@ -122,7 +122,7 @@ Result<tmcl::api::axis::StartedMove> start_move(const std::string& axis, const T
 
 Result<Warnings> follow(const Journey& journey, Context& context,
                         const std::function<void(const AxisReading&)>& on_reading) {
-  Wait wait{journey.axis, journey.goal, journey.interval, {}, journey.beside};
+  Wait wait{journey.axis, journey.goal, journey.interval, {}, journey.beside, journey.meanwhile};
   // Nothing left is no time limit, to a gateway.
   if (journey.timeout) {
     const auto passed = context.host.now() - journey.started_at;

@@ -27,6 +27,7 @@ struct Journey {
   /// The goal in the unit of the axis: then everything is told in that.
   std::optional<InUnit> goal_in_unit{};
   Beside beside{};
+  std::function<Result<void>()> meanwhile{};  ///< As of Wait.
 };
 
 /// What the settings of the axis make of moves, once it stands at its goal and stays there, or why

@@ -14,6 +14,8 @@ using tmcl::client::Hearing;
 
 // Of one call that waits: shorter than any client waits for an answer.
 constexpr tmcl::Duration longest_wait_call = std::chrono::seconds(5);
+// The same where there is something to do meanwhile.
+constexpr tmcl::Duration short_wait_call = std::chrono::milliseconds(250);
 
 AxisReading reading_of(const api::axis::State& state, const Context& context) {
   return {state, context.host.now() - std::chrono::milliseconds(state.age_ms)};
@@ -33,15 +35,18 @@ std::int32_t in_milliseconds(tmcl::Duration interval) {
 Result<Warnings> await_standing(const Wait& wait, Context& context) {
   using std::chrono::milliseconds;
   const auto begin = context.host.now();
+  const auto longest = wait.meanwhile ? short_wait_call : longest_wait_call;
   while (true) {
+    if (auto going_on = wait.meanwhile ? wait.meanwhile() : Result<void>(); !going_on)
+      return tl::unexpected(going_on.error());
     const auto left = wait.at_most.value_or(tmcl::Duration::max()) - (context.host.now() - begin);
-    const auto call_time = std::clamp<tmcl::Duration>(left, shortest_wait, longest_wait_call);
+    const auto call_time = std::clamp<tmcl::Duration>(left, shortest_wait, longest);
     const api::axis::Wait call{wait.axis, std::chrono::ceil<milliseconds>(call_time).count(),
                                wait.goal.value};
     const auto stands = context.call(call);
     if (stands) return stands->warnings;
     const bool goes_on =
-        stands.error().name == name_of(tmcl::Errc::deadline_passed) && left > longest_wait_call;
+        stands.error().name == name_of(tmcl::Errc::deadline_passed) && left > longest;
     if (!goes_on) return tl::unexpected(stands.error());
   }
 }

@@ -44,6 +44,8 @@ struct Wait {
   /// At least shortest_wait; nothing: as long as it takes.
   std::optional<tmcl::Duration> at_most{};
   Beside beside{};
+  /// Called four times a second, at least, and may make calls; an error ends the waiting.
+  std::function<Result<void>()> meanwhile{};
 };
 constexpr tmcl::Duration shortest_wait = std::chrono::milliseconds(1);
 

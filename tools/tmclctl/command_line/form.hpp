@@ -99,6 +99,8 @@ Read texts(std::vector<std::string>& into);
 Read list(std::vector<std::string>& into);
 /// Each time one more: NAME=AXIS.
 Read named_axes(std::vector<std::string>& into);
+/// "200ms", "0.2s" or "0.2".
+Reading read_time(const std::string& text, double least_s, double greatest_s, double& seconds);
 /// How often something is shown: 10 ms to a minute.
 Read milliseconds(std::chrono::milliseconds& into);
 /// The name of a drawing, which is SVG: that of another kind of picture is refused.

@@ -9,6 +9,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "tmcl/quantity.hpp"
+
 namespace tmclctl {
 namespace {
 
@@ -75,6 +77,18 @@ Read list(std::vector<std::string>& into) {
     if (into.empty()) return tl::unexpected("'" + text + "' names nothing");
     return {};
   };
+}
+
+Reading read_time(const std::string& text, double least_s, double greatest_s, double& seconds) {
+  const auto quantity = tmcl::parse_quantity(text);
+  if (!quantity) return tl::unexpected(quantity.error().message);
+  if (!quantity->unit.empty() && quantity->unit != "s" && quantity->unit != "ms")
+    return tl::unexpected(fmt::format("'{}' is no time in s or ms", text));
+  const double said_s = quantity->number * (quantity->unit == "ms" ? 1e-3 : 1);
+  if (said_s < least_s || said_s > greatest_s)
+    return tl::unexpected(fmt::format("{} is not within {} s and {} s", text, least_s, greatest_s));
+  seconds = said_s;
+  return {};
 }
 
 Read milliseconds(std::chrono::milliseconds& into) {

@@ -30,4 +30,9 @@ void set_in_environment(const tmcl::api::lease::OnLease& lease) {
   ::setenv(epoch_variable, std::to_string(lease.epoch).c_str(), 1);
 }
 
+void clear_in_environment() {
+  ::unsetenv(lease_variable);
+  ::unsetenv(epoch_variable);
+}
+
 }  // namespace tmclctl

@@ -14,5 +14,6 @@ constexpr const char* epoch_variable = "TMCL_EPOCH";
 std::optional<tmcl::api::lease::OnLease> lease_from_environment();
 /// For the programs that this one starts.
 void set_in_environment(const tmcl::api::lease::OnLease& lease);
+void clear_in_environment();
 
 }  // namespace tmclctl

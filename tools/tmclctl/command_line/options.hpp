@@ -138,6 +138,21 @@ struct Plot {
   bool compare = false;
   bool internal = false;
 };
+/// One position after the other.
+struct ScanPositions {
+  std::string axis;
+  std::string from;
+  std::string to;
+  std::int32_t steps = 0;  ///< Positions, both ends included.
+  double dwell_s = 0;
+  std::int32_t repeat = 1;
+  bool both_ways = false;
+  std::string command;  ///< Run at each position; empty: none.
+  std::string csv;      ///< Empty: none; "-": standard output instead of the statistics.
+  bool resume = false;
+  bool encoder = false;  ///< There is one, although the configuration does not say so.
+  bool internal = false;
+};
 /// What a module records by itself, at the ticks of its own clock.
 struct Capture {
   struct Trigger {

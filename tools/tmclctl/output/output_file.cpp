@@ -2,6 +2,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -15,6 +17,16 @@ Result<void> OutputFile::open(const std::string& path) {
         usage_error("cannot_write", "'-' names no file here", "/dev/stdout is standard output"));
   file_.open(path, std::ios::binary | std::ios::trunc);
   if (!file_) return tl::unexpected(problem());
+  return {};
+}
+
+Result<void> OutputFile::open_behind(const std::string& path, std::size_t bytes) {
+  path_ = path;
+  std::error_code failed;
+  std::filesystem::resize_file(path, bytes, failed);
+  if (!failed) file_.open(path, std::ios::binary | std::ios::app);
+  if (failed) errno = failed.value();
+  if (!file_.is_open()) return tl::unexpected(problem());
   return {};
 }
 

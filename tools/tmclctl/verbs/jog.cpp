@@ -5,10 +5,9 @@
 #include <fmt/format.h>
 
 #include "axis/arrival_wait.hpp"
+#include "axis/held_lease.hpp"
 #include "axis/jog_keys.hpp"
-#include "command_line/lease_environment.hpp"
 #include "output/full_screen.hpp"
-#include "tmcl/api/lease.hpp"
 #include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
@@ -23,8 +22,6 @@ constexpr tmcl::Duration draw_interval = std::chrono::milliseconds(200);
 constexpr tmcl::Duration time_for_call = std::chrono::seconds(2);
 /// An axis stops without it, by its hold: it must outlast a computer that is busy.
 constexpr std::int64_t lease_ttl_ms = 5'000;
-/// So that one renewal may fail to come through in time.
-constexpr int renewals_in_ttl = 4;
 /// Of max_velocity, unless --velocity says otherwise.
 constexpr int usual_part = 5;
 
@@ -74,7 +71,7 @@ class Jog {
         keys_(verb.axes.size()),
         shown_(verb.axes.size()) {}
 
-  Result<void> run(const std::optional<api::lease::Granted>& lease) {
+  Result<void> run(HeldLease& lease) {
     auto ended = go_on(lease);
     context_.host.take_signal();
     // Whatever has ended it: also what it is not known to have moved.
@@ -83,12 +80,12 @@ class Jog {
   }
 
  private:
-  Result<void> go_on(const std::optional<api::lease::Granted>& lease) {
+  Result<void> go_on(HeldLease& lease) {
     while (!keys_.has_ended() && context_.host.signal() == 0) {
       if (auto attended = attend(); !attended) return attended;
       for (const auto& going : keys_.take_going(context_.host.now())) jog(going);
       for (const auto& step : keys_.take_steps()) make_step(step);
-      if (auto renewed = renew(lease); !renewed) return renewed;
+      if (auto renewed = lease.renew(context_, attending()); !renewed) return renewed;
       draw();
       context_.sleep(key_look_interval);
     }
@@ -144,17 +141,6 @@ class Jog {
     return {};
   }
 
-  Result<void> renew(const std::optional<api::lease::Granted>& lease) {
-    const auto now = context_.host.now();
-    if (!lease || now - renewed_at_ < std::chrono::milliseconds(lease->ttl_ms) / renewals_in_ttl)
-      return {};
-    renewed_at_ = now;
-    api::lease::Renew renewal;
-    renewal.lease = lease->lease;
-    renewal.epoch = lease->epoch;
-    return context_.call(renewal, attending()).map([](const auto&) {});
-  }
-
   void look() {
     for (std::size_t i = 0; i < verb_.axes.size(); ++i) {
       constexpr std::uint16_t max_age_ms = 100;
@@ -195,25 +181,8 @@ class Jog {
   JogKeys keys_;
   std::vector<AxisReading> shown_;
   std::string message_;
-  tmcl::TimePoint renewed_at_{};
   tmcl::TimePoint drawn_at_{};
 };
-
-/// Nothing where this runs under one: 'lease run'.
-Result<std::optional<api::lease::Granted>> take_lease(const verb::Jog& verb, Context& context) {
-  using Lease = std::optional<api::lease::Granted>;
-  if (lease_from_environment()) return Lease();
-  return context.call(api::lease::Acquire{verb.axes, lease_ttl_ms, {}})
-      .map([](api::lease::Granted lease) { return Lease(std::move(lease)); });
-}
-
-Result<void> release(const std::optional<api::lease::Granted>& lease, Context& context) {
-  if (!lease) return {};
-  api::lease::Release release;
-  release.lease = lease->lease;
-  release.epoch = lease->epoch;
-  return context.call(release).map([](const auto&) {});
-}
 
 Result<ExitCode> run(const verb::Jog& verb, Context& context) {
   auto found = FullScreen::look_for(context.output.out_screen);
@@ -227,7 +196,7 @@ Result<ExitCode> run(const verb::Jog& verb, Context& context) {
     if (!speed) return tl::unexpected(speed.error());
     speeds.push_back(std::move(*speed));
   }
-  const auto lease = take_lease(verb, context);
+  auto lease = HeldLease::take(verb.axes, lease_ttl_ms, context);
   if (!lease) return tl::unexpected(lease.error());
   Result<void> ended;
   {
@@ -235,7 +204,7 @@ Result<ExitCode> run(const verb::Jog& verb, Context& context) {
     ended = screen ? Jog(verb, std::move(speeds), **screen, context).run(*lease)
                    : tl::unexpected(screen.error());
   }
-  const auto released = release(*lease, context);
+  const auto released = lease->release(context);
   if (ended && !released) return tl::unexpected(released.error());
   return ended.map([] { return ExitCode::done; });
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "axis/held_lease.hpp"
 #include "command_line/child_process.hpp"
 #include "command_line/lease_environment.hpp"
 #include "output/print.hpp"
@@ -18,8 +19,6 @@ namespace api = tmcl::api;
 
 // How often it is looked whether the program has ended, and whether a signal came.
 constexpr tmcl::Duration lease_look_interval = std::chrono::milliseconds(20);
-// So that one renewal may fail to come through in time.
-constexpr int renewals_in_ttl = 4;
 
 template <class Method>
 Method on(const api::lease::Granted& lease) {

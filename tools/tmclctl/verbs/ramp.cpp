@@ -529,17 +529,11 @@ Reading read_resonance(std::string text, std::optional<double>& into) {
   return parse_number<double>(text, least, greatest).map([&](double hertz) { into = hertz; });
 }
 
-Reading read_time(const std::string& text, std::optional<double>& seconds) {
+Reading read_move_time(const std::string& text, std::optional<double>& seconds) {
   constexpr double least_s = 1e-6;
   constexpr double greatest_s = 86'400;
-  const auto quantity = tmcl::parse_quantity(text);
-  if (!quantity) return tl::unexpected(quantity.error().message);
-  const double unit = quantity->unit == "ms" ? 1e-3 : 1;
-  if (!quantity->unit.empty() && quantity->unit != "s" && quantity->unit != "ms")
-    return tl::unexpected(fmt::format("'{}' is no time in s or ms", text));
-  seconds = quantity->number * unit;
-  if (*seconds >= least_s && *seconds <= greatest_s) return {};
-  return tl::unexpected(fmt::format("{} is not within {} s and {} s", text, least_s, greatest_s));
+  double said_s = 0;
+  return read_time(text, least_s, greatest_s, said_s).map([&] { seconds = said_s; });
 }
 
 /// 30%, or 0.3. A 30 alone is hardly meant as 3000%.
@@ -644,7 +638,7 @@ void add_search(VerbForm<verb::Ramp>& ramp) {
   constexpr double greatest_figure = 1e9;
   auto& typed = *ramp.operator->();
   ramp.option("--time", "TIME", "Find the gentlest ramp with which the move takes no longer",
-              [&typed](const std::string& text) { return read_time(text, typed.time_s); });
+              [&typed](const std::string& text) { return read_move_time(text, typed.time_s); });
   ramp.flag("--fastest", "Find the quickest ramp for which the motor has the torque",
             ramp->fastest);
   ramp.option("--load", "TORQUE", "What the motor drives, in 1/1000 of the torque that it holds",

@@ -21,6 +21,7 @@ void add_verbs(Grammar& grammar) {
   add_trace(grammar);
   add_plot(grammar);
   add_capture(grammar);
+  add_scan_positions(grammar);
   add_home(grammar);
   add_recover(grammar);
   add_errors(grammar);

@@ -35,6 +35,7 @@ void add_buses(Grammar& grammar);
 void add_trace(Grammar& grammar);
 void add_plot(Grammar& grammar);
 void add_capture(Grammar& grammar);
+void add_scan_positions(Grammar& grammar);
 void add_home(Grammar& grammar);
 void add_recover(Grammar& grammar);
 void add_errors(Grammar& grammar);

@@ -1,0 +1,183 @@
+// scan-positions: on an axis that moves in virtual time.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ctl_fixture.hpp"
+#include "support/temp_path.hpp"
+
+namespace tmclctl::test {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+class CtlScanPositions : public testing::Test, public Ctl {
+ protected:
+  CtlScanPositions() { std::filesystem::remove(file); }
+  ~CtlScanPositions() override { std::filesystem::remove(file); }
+
+  ExitCode scan(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{"scan-positions", "x",    "--from",  "0",
+                                   "--to",           "1000", "--steps", "3"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  std::vector<std::string> moves() const {
+    std::vector<std::string> moves;
+    for (const auto& call : target.calls)
+      if (call.starts_with("move_to ")) moves.push_back(call);
+    return moves;
+  }
+  bool has_called(const std::string& method) const {
+    return std::ranges::any_of(target.calls,
+                               [&](const auto& call) { return call.starts_with(method); });
+  }
+  std::string contents() const {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  /// Without comments and columns, and without their times.
+  std::vector<std::string> rows() const {
+    std::vector<std::string> rows;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+      if (!line.starts_with('#') && !line.starts_with("utc"))
+        rows.push_back(line.substr(line.find(',') + 1));
+    return rows;
+  }
+
+  std::string file = tmcl::test::temp_path("scan.csv");
+};
+
+TEST_F(CtlScanPositions, VisitsThemAllAndWritesWhatWasReached) {
+  EXPECT_EQ(scan({"--csv", file, "--dwell", "200ms"}), ExitCode::done) << err;
+  EXPECT_THAT(moves(), ElementsAre("move_to x 0", "move_to x 500", "move_to x 1000"));
+  EXPECT_THAT(rows(), ElementsAre("1,0,none,0,0,,0,0,0", "1,1,up,500,500,,500,500,0",
+                                  "1,2,up,1000,1000,,1000,1000,0"));
+  EXPECT_THAT(contents(), AllOf(HasSubstr("# tmclctl "), HasSubstr("# x: TMCM-1110"),
+                                HasSubstr("# scan of x from 0 to 1000 in 3 positions, 1 times;"),
+                                HasSubstr("\nutc,pass,index,approach,target_microsteps,")));
+  EXPECT_THAT(out, HasSubstr("the configuration names no encoder"));
+  EXPECT_TRUE(has_called("lease.acquire"));
+  EXPECT_TRUE(has_called("lease.release"));
+}
+
+TEST_F(CtlScanPositions, GoesBackAsOftenAsItIsTold) {
+  EXPECT_EQ(scan({"--repeat", "2", "--both-ways"}), ExitCode::done) << err;
+  EXPECT_EQ(moves().size(), 9U);
+  const auto document =
+      json({"scan-positions", "x", "--from", "0", "--to", "1000", "--steps", "3", "--both-ways"});
+  EXPECT_EQ(document.at("visits"), 5);
+  EXPECT_EQ(document.at("positions").as_array().size(), 3U);
+  EXPECT_EQ(document.at("positions").at(1).at("count"), 2);
+  EXPECT_EQ(document.at("backlash"), 0.0);
+  EXPECT_EQ(document.at("encoder"), false);
+}
+
+TEST_F(CtlScanPositions, AnEncoderSaysWhatWasReached) {
+  target.values["encoder_position"] = 490;
+  EXPECT_EQ(scan({"--encoder", "--csv", file}), ExitCode::done) << err;
+  EXPECT_THAT(rows(), testing::Contains("1,1,up,500,500,490,500,490,-10"));
+  EXPECT_THAT(out, Not(HasSubstr("names no encoder")));
+}
+
+TEST_F(CtlScanPositions, PositionsHaveTheUnitThatWasTyped) {
+  target.tells_position_in_mm = true;
+  EXPECT_EQ(
+      run({"scan-positions", "x", "--from", "0", "--to", "0.5mm", "--steps", "6", "--csv", file}),
+      ExitCode::done)
+      << err;
+  EXPECT_THAT(contents(), HasSubstr("target_mm,reached_mm,deviation_mm\n"));
+  EXPECT_THAT(target.said, "0.5mm");
+  EXPECT_EQ(run({"scan-positions", "x", "--from", "0mm", "--to", "1cm", "--steps", "6"}),
+            ExitCode::usage);
+}
+
+TEST_F(CtlScanPositions, GoesOnBehindTheLastRow) {
+  EXPECT_EQ(scan({"--csv", file, "--at", "test $TMCL_INDEX != 1"}), ExitCode::not_reached);
+  EXPECT_THAT(err, AllOf(HasSubstr("behind 1 of 3 positions"), HasSubstr("ended with exit code 1"),
+                         HasSubstr("--resume goes on")));
+  EXPECT_EQ(rows().size(), 1U) << "what was not measured is visited again";
+  EXPECT_TRUE(has_called("stop x"));
+  // As a computer leaves it that loses its power.
+  std::ofstream(file, std::ios::app) << "1970-01-01T01:0";
+  target.calls.clear();
+  EXPECT_EQ(scan({"--csv", file}), ExitCode::usage) << "it is not written over";
+  EXPECT_THAT(moves(), ElementsAre());
+  EXPECT_EQ(scan({"--csv", file, "--resume"}), ExitCode::done) << err;
+  EXPECT_THAT(moves(), ElementsAre("move_to x 500", "move_to x 1000"));
+  EXPECT_EQ(rows().size(), 3U);
+  EXPECT_THAT(contents(), HasSubstr("\n# resumed 1970"));
+  target.calls.clear();
+  EXPECT_EQ(scan({"--csv", file, "--resume"}), ExitCode::done) << "there is nothing left to do";
+  EXPECT_THAT(moves(), ElementsAre());
+  EXPECT_FALSE(has_called("lease.acquire"));
+  EXPECT_EQ(scan({"--csv", file, "--resume", "--both-ways"}), ExitCode::usage);
+}
+
+TEST_F(CtlScanPositions, TheCommandIsToldWhereTheAxisIs) {
+  const auto told = tmcl::test::temp_path("told");
+  EXPECT_EQ(scan({"--at",
+                  "echo $TMCL_AXIS $TMCL_INDEX $TMCL_PASS $TMCL_APPROACH $TMCL_TARGET "
+                  "$TMCL_POSITION $TMCL_UNIT > " +
+                      told}),
+            ExitCode::done)
+      << err;
+  std::ifstream in(told);
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, "x 2 1 up 1000 1000 microsteps");
+  std::filesystem::remove(told);
+}
+
+TEST_F(CtlScanPositions, AStopOfAnotherProgramEndsItWhereverTheAxisIs) {
+  target.stopped_at = host.now() + milliseconds(20);
+  EXPECT_EQ(scan({"--csv", file, "--dwell", "0.1s"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("cause: client"));
+  EXPECT_THAT(moves(), ElementsAre("move_to x 0")) << "it stood there";
+  target.stopped_at.reset();
+  target.stopped_by_other_after = milliseconds(10);
+  target.stop_cause = "client";
+  EXPECT_EQ(scan(), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("cause: client"));
+}
+
+TEST_F(CtlScanPositions, CtrlCEndsItAndStopsTheAxis) {
+  host.press_ctrl_c_after(milliseconds(30));
+  EXPECT_EQ(scan({"--csv", file, "--dwell", "0.1s"}), ExitCode::interrupted);
+  EXPECT_THAT(
+      err, AllOf(HasSubstr("behind 0 of 3 positions, and it was stopped"), HasSubstr("--resume")));
+  EXPECT_TRUE(has_called("stop x"));
+  EXPECT_TRUE(has_called("lease.release"));
+}
+
+TEST_F(CtlScanPositions, ALostLeaseEndsIt) {
+  target.renewal_failure = error_of(ExitCode::refused, "lease_lost", "the lease is over");
+  EXPECT_EQ(scan({"--dwell", "1"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("the lease is over"));
+}
+
+TEST_F(CtlScanPositions, NothingMovesForAScanThatWouldLeaveTheLimits) {
+  target.counts.limits = tmcl::SoftLimits{{0}, {5}};
+  target.tells_position_in_mm = true;
+  EXPECT_EQ(run({"scan-positions", "x", "--from", "0mm", "--to", "6mm", "--steps", "3"}),
+            ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("6mm is beyond the soft limits of x"));
+  EXPECT_THAT(moves(), ElementsAre());
+}
+
+TEST_F(CtlScanPositions, WordsThatDoNotGoTogetherAreRefused) {
+  EXPECT_EQ(scan({"--resume"}), ExitCode::usage);
+  EXPECT_EQ(scan({"--json", "--csv", "-"}), ExitCode::usage);
+  EXPECT_EQ(scan({"--dwell", "2h"}), ExitCode::usage);
+  EXPECT_EQ(run({"scan-positions", "x", "--from", "0", "--to", "9", "--steps", "1"}),
+            ExitCode::usage);
+}
+
+}  // namespace
+}  // namespace tmclctl::test
