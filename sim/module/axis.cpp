@@ -252,12 +252,25 @@ void Axis::reverse_shaft(bool reversed) {
 void Axis::advance_to(TimePoint time) {
   state_.now = time;
   state_.motor->advance_to(state_.now);
-  state_.coupling.follow();
+  state_.coupling.follow(state_.now);
 }
 
 void Axis::run_due() {
   const bool changes = state_.now >= driver_.tick() && driver_.run_tick();
-  if (changes || state_.now >= due_) settle();
+  const bool swings = state_.now >= swing_due_;
+  if (changes || state_.now >= due_ || (swings && encoders_.are_watched())) {
+    settle();
+  } else if (swings) {
+    keep_swing();
+  }
+}
+
+// In pieces, however often it is looked at: so looking changes nothing.
+void Axis::keep_swing() {
+  swing_due_ = never;
+  if (!state_.coupling.swings()) return;
+  const auto piece = state_.coupling.keep_swing();
+  if (state_.is_moving()) swing_due_ = std::min(state_.motor->next_change(), state_.now + piece);
 }
 
 void Axis::stage_changed() {
@@ -279,6 +292,7 @@ void Axis::settle() {
   watch_encoders();
   if (driver_.stalls()) emergency_stop(stall_error);
   driver_.watch_rotor();
+  keep_swing();
   due_ = next_look();
 }
 

@@ -93,7 +93,7 @@ class Axis {
   /// Lets time pass, no further than next_due().
   void advance_to(TimePoint time);
   /// When run_due() has something to do if no command comes before.
-  TimePoint next_due() const { return std::min(due_, driver_.tick()); }
+  TimePoint next_due() const { return std::min({due_, driver_.tick(), swing_due_}); }
   void run_due();
   /// What becomes of the present movement if nothing stops it.
   const MotionForecast& outlook() const { return state_.outlook; }
@@ -109,6 +109,7 @@ class Axis {
   /// Something was written: what follows from it is done, and when to look next is worked out.
   void settle();
   TimePoint next_look() const;
+  void keep_swing();
   void sense();
   Switches sensed() const;
 
@@ -123,7 +124,8 @@ class Axis {
   bool keeps_errors_;  ///< Until the next movement, not until they are read.
   std::map<std::uint8_t, std::int32_t> driver_words_;
   TimePoint due_ = never;
-  Switches barring_;  // as the chip was told
+  TimePoint swing_due_ = never;  // when its piece ends
+  Switches barring_;             // as the chip was told
   std::int32_t errors_ = 0;
   bool deviates_ = false;
   std::int32_t latched_encoder_ = 0;

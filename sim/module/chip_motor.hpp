@@ -26,6 +26,7 @@ class ChipMotor : public Motor {
   int position_bits() const final { return Chip::position_bits; }
   TimePoint passing(std::int64_t back, std::int64_t ahead) const final;
   TimePoint turning() const final { return time_of(ramp::turning(chip_, clock_.at(never))); }
+  TimePoint next_change() final { return time_of({.tick = chip_.next_change()}); }
   void set_switches(bool left, bool right) final { chip_.set_switches(left, right); }
 
   void set_position(std::int32_t position) final;

@@ -4,8 +4,21 @@
 
 namespace tmcl::sim {
 
-void Coupling::follow() {
+double Coupling::stage_speed() const {
+  if (is_held()) return 0;
+  return static_cast<double>(on_stage(motor_->heading()) * motor_->speed()) *
+         static_cast<double>(Place{1} << (finest - exponent_));
+}
+
+Duration Coupling::keep_swing() {
+  auto* swing = stage_->swing();
+  swing->keep(stage_speed());
+  return swing->piece();
+}
+
+void Coupling::follow(TimePoint now) {
   if (stage_->is_bare()) return;
+  if (auto* swing = stage_->swing()) swing->look(now, stage_speed());
   const auto position = motor_->position();
   const auto way = way_between(seen_, position, motor_->position_bits());
   seen_ = position;

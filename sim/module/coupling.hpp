@@ -16,9 +16,13 @@ class Coupling {
   const Stage& stage() const { return *stage_; }
 
   /// Time has passed: the stage goes where the motor went.
-  void follow();
+  void follow(TimePoint now);
   /// The motor's position was only called another one.
   void rebase() { seen_ = motor_->position(); }
+  /// The motor may speed up or slow down otherwise from here on, and a load that swings with it.
+  /// Gives back how soon that has to be done again while the motor moves.
+  Duration keep_swing();
+  bool swings() const { return stage_->swing() != nullptr; }
 
   /// So many microsteps of the motor are a full step, as an exponent of two.
   void set_resolution(std::int32_t exponent) { exponent_ = exponent; }
@@ -49,6 +53,8 @@ class Coupling {
 
   int on_stage(int direction) const { return reversed_ ? -direction : direction; }
   Reach in_microsteps(Reach reach) const;
+  /// Of the stage, in places a second.
+  double stage_speed() const;
 
   Motor* motor_;
   Stage* stage_;

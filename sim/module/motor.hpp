@@ -51,7 +51,10 @@ class Motor {
   /// When to look whether it has gone more than so many microsteps back or ahead from here: exactly
   /// when it has, or earlier if that is too far to be foreseen; `never` if it never will.
   virtual TimePoint passing(std::int64_t back, std::int64_t ahead) const = 0;
-  /// The same of whether it has come to stand or turned round.
+  /// When its acceleration may change otherwise than evenly; `never` if it will not. Not const: the
+  /// generator works out the movement once.
+  virtual TimePoint next_change() = 0;
+  /// As passing(), of whether it has come to stand or turned round.
   virtual TimePoint turning() const = 0;
 
   virtual SwitchWiring wiring() const { return {}; }

@@ -61,6 +61,7 @@ class Tmc4361Motor final : public Motor {
     return active().passing(back, ahead);
   }
   TimePoint turning() const override { return active().turning(); }
+  TimePoint next_change() override { return active().next_change(); }
 
   SwitchWiring wiring() const override { return trapezoid_.wiring(); }
   void set_switches(bool left, bool right) override;

@@ -1,6 +1,7 @@
 #include "sim/stage/stage.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tmcl::sim {
 namespace {
@@ -25,6 +26,7 @@ bool contains(Interval interval, Place place) {
 }  // namespace
 
 Stage::Stage(const StageSettings& settings) : settings_(settings), position_(settings.position) {
+  if (settings.resonance) swing_.emplace(*settings.resonance);
   settle(true);
 }
 
@@ -120,9 +122,13 @@ std::int64_t Stage::counts_at(Place position) const {
   return turns * counts + floor_div((position - turns * turn) * counts, turn);
 }
 
+Place Stage::load_position() const {
+  return swing_ ? position_ + std::llround(swing_->offset()) : position_;
+}
+
 std::int64_t Stage::encoder_counts() const {
   if (!settings_.encoder) return 0;
-  return counts_at(position_) - counts_at(settings_.position) + slip_;
+  return counts_at(load_position()) - counts_at(settings_.position) + slip_;
 }
 
 std::int32_t Stage::encoder_angle() const {

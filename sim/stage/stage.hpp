@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "sim/stage/driver_fault.hpp"
+#include "sim/stage/swing.hpp"
 
 namespace tmcl::sim {
 
@@ -47,6 +48,8 @@ struct StageSettings {
   std::optional<std::int32_t> pull_in_speed{};
   bool torque_follows_current = false;  ///< Otherwise every current is the full one.
   DriverFaults faults{};                ///< Of the driver, and of the cable to the motor.
+  /// Of the load; the encoder is on that. Without one it is rigidly joined to the motor.
+  std::optional<Resonance> resonance{};
 };
 
 /// Levels at the module's inputs, before it makes anything of them.
@@ -80,6 +83,9 @@ class Stage {
 
   /// The motor turns by so much, and the stage follows as far as it can.
   void move(Place way);
+  /// How the load swings behind the motor; null if it does not.
+  Swing* swing() { return swing_ ? &*swing_ : nullptr; }
+  const Swing* swing() const { return swing_ ? &*swing_ : nullptr; }
   /// It is pressed against an end in the direction of this sign, or the load holds it: a motor that
   /// goes on does not move it.
   bool holds(int direction) const;
@@ -117,10 +123,12 @@ class Stage {
   std::optional<Interval> left() const;
   std::optional<Interval> right() const;
   std::int64_t counts_at(Place position) const;
+  Place load_position() const;
 
   StageSettings settings_;
   Place position_ = 0;
   std::int64_t slip_ = 0;
+  std::optional<Swing> swing_;
   Contact left_;
   Contact right_;
   Contact home_;

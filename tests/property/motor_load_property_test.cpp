@@ -59,6 +59,7 @@ class Script : public test::Random<std::int32_t> {
     if (one_in(2)) stage.corner_speed = 1 + any_size(2000);
     if (one_in(2)) stage.pull_in_speed = any_size(500);
     stage.torque_follows_current = one_in(2);
+    if (one_in(4)) stage.resonance = Resonance{static_cast<double>(positive(60)), 0.05};
     return stage;
   }
 
@@ -69,6 +70,8 @@ class Script : public test::Random<std::int32_t> {
     limits.inertia = 0;
     limits.corner_speed = 1'000'000'000;
     limits.torque_follows_current = false;
+    // How it swings is worked out in pieces, and they are shorter where there are limits.
+    limits.resonance.reset();
     return limits;
   }
 

@@ -265,6 +265,9 @@ TEST(BenchFile, LimitsAMotor) {
     pull_in_speed = 0
     torque_follows_current = true
     driver_faults = ["short_a", "open_load_b"]
+    encoder_counts_per_turn = 4000
+    resonance = 12
+    damping = 0.1
   )",
                                      "b.toml");
   ASSERT_TRUE(file) << file.error();
@@ -274,10 +277,16 @@ TEST(BenchFile, LimitsAMotor) {
   EXPECT_EQ(stage.pull_in_speed, 0);
   EXPECT_TRUE(stage.torque_follows_current);
   EXPECT_EQ(stage.faults.bits(), 0x48);
+  EXPECT_EQ(stage.resonance.value().frequency_hz, 12);
+  EXPECT_EQ(stage.resonance.value().damping, 0.1);
   EXPECT_EQ(file->front().surroundings.supply_tenths, 50);
   const std::string axis = "[[module]]\nmodel = \"TMCM-1110\"\n[[module.axis]]\n";
   EXPECT_THAT(error_of(axis + "corner_speed = 0\n"), HasSubstr("b.toml:4: 'corner_speed' is 0"));
   EXPECT_THAT(error_of(axis + "driver_faults = 3\n"), HasSubstr("must be a list"));
+  EXPECT_THAT(error_of(axis + "resonance = 5\n"), HasSubstr("and there is none"));
+  const auto with_encoder = axis + "encoder_counts_per_turn = 400\n";
+  EXPECT_THAT(error_of(with_encoder + "resonance = 0\n"), HasSubstr("must be 0.01 to 1000"));
+  EXPECT_THAT(error_of(with_encoder + "damping = 0.5\n"), HasSubstr("goes with 'resonance'"));
   EXPECT_THAT(error_of(axis + "driver_faults = [\"shrt_a\"]\n"), HasSubstr("'short_a'?"));
 }
 

@@ -13,6 +13,7 @@
 #include "motor_words.hpp"
 #include "sim/module/delivered_stage.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
@@ -33,6 +34,9 @@ constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
 constexpr std::int64_t greatest_speed = 1'000'000'000;
 constexpr double greatest_supply = 1000;  // in volts
+constexpr double least_resonance_hz = 0.01;
+constexpr double greatest_resonance_hz = 1000;
+constexpr double greatest_damping = 0.999;
 constexpr std::int64_t greatest_temperature = 1000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
@@ -55,7 +59,9 @@ constexpr auto axis_keys = std::to_array<std::string_view>({"motor",
                                                             "corner_speed",
                                                             "pull_in_speed",
                                                             "torque_follows_current",
-                                                            "driver_faults"});
+                                                            "driver_faults",
+                                                            "resonance",
+                                                            "damping"});
 
 constexpr Range places{-greatest_place, greatest_place};
 
@@ -116,6 +122,27 @@ void take_faults(const toml::table& table, tmcl::sim::DriverFaults& faults) {
   }
 }
 
+double fraction(const toml::node& node, std::string_view key, double least, double greatest) {
+  const auto value = node.value<double>();
+  if (value && *value >= least && *value <= greatest) return *value;
+  complain(node, quoted(key) + " must be " + tmcl::plain_number(least, 3) + " to " +
+                     tmcl::plain_number(greatest, 4));
+}
+
+void take_resonance(const toml::table& table, StageSettings& stage) {
+  const auto* frequency = table.get("resonance");
+  const auto* damping = table.get("damping");
+  if (frequency == nullptr && damping != nullptr)
+    complain(*damping, "'damping' goes with 'resonance'");
+  if (frequency == nullptr) return;
+  if (!stage.encoder) complain(*frequency, "'resonance' is seen by an encoder, and there is none");
+  stage.resonance.emplace();
+  stage.resonance->frequency_hz =
+      fraction(*frequency, "resonance", least_resonance_hz, greatest_resonance_hz);
+  if (damping != nullptr)
+    stage.resonance->damping = fraction(*damping, "damping", 0, greatest_damping);
+}
+
 StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take(table, "position", places, stage.position);
   take_place(table, "left_switch", stage.left_switch);
@@ -135,6 +162,7 @@ StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take_speed(table, "pull_in_speed", 0, stage.pull_in_speed);
   take(table, "torque_follows_current", stage.torque_follows_current);
   take_faults(table, stage.faults);
+  take_resonance(table, stage);
   if (stage.left_stop && stage.right_stop && *stage.left_stop > *stage.right_stop) {
     complain(*table.get("left_stop"), "'left_stop' is to the right of 'right_stop'");
   }

@@ -93,6 +93,8 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
       position = 1000                # where it stands at first
       encoder_counts_per_turn = 1024
       encoder_sign = -1              # counts down where the motor turns up
+      resonance = 12.5               # in Hz: the load, with the encoder, swings behind the motor
+      damping = 0.05                 # of its swings, 0 to less than 1
       full_steps_per_turn = 200
       load = 100                     # in 1/1000 of what the motor can drive
       load_per_velocity = 5          # more of it for each full step per second, in 1/1000
