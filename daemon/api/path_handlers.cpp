@@ -192,8 +192,7 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
 using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes,
                                 const Cast& cast, const plan::PathRequest& request)>;
 
-/// `with_namesakes`: axes of the file that are not named are those of the same name; and the twins
-/// of all are read for a rehearsal.
+/// `with_namesakes`: axes of the file that are not named are those of the same name.
 Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
   const auto request = co_await must(request_of(params));
   // Before the text is read, which may take a while.
@@ -218,8 +217,7 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   auto axes = co_await must(axes_for(call, params, *source, with_namesakes));
   auto known = co_await must(path_axes(*source, axes, request, call.permit));
 
-  Cast cast;
-  if (with_namesakes) cast = co_await must(cast_of(axes, known));
+  auto cast = co_await must(cast_of(axes, known));
 
   const auto feed = feed_of(known);
   if (!feed) co_return error_of(feed.error(), "feed");
@@ -408,8 +406,13 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
 }
 
 Answer<path::Run> run_path(Call& call, const path::Run& params) {
-  auto planning = params.plan ? planned_before(call, params)
-                              : plan_for(call, params, false, [](const auto&...) {});
+  const auto expected = std::make_shared<std::vector<path::Expected>>();
+  auto look = [expected](const plan::Course& course, const auto& /*axes*/, const Cast& cast,
+                         const plan::PathRequest& request) {
+    *expected = expected_of(course, cast, request);
+  };
+  auto planning =
+      params.plan ? planned_before(call, params) : plan_for(call, params, false, std::move(look));
   auto planned = co_await must(std::move(planning));
   const auto place = place_for(call, planned.course.bytes());
   if (!place) {
@@ -417,6 +420,8 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
     co_return tl::unexpected(place.error());
   }
   auto warnings = co_await warnings_of(planned);
+  if (auto warning = warning_of(*expected, planned.request.tolerance); !warning.empty())
+    warnings.push_back(std::move(warning));
   co_await must_not(refusal_to_begin(call));
   begin_journey(call);
   std::vector<DriveMember> members;
@@ -436,7 +441,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   if (run->report().fault) co_return error_of(*run, api::to_json(passage));
   if (const auto by = passage.tolerance_exceeded_by)
     warnings.push_back(tolerance_warning(planned.request.tolerance, *by, passage.off_path_at_s));
-  co_return path::Passed{std::move(passage), std::move(warnings)};
+  co_return path::Passed{std::move(passage), std::move(*expected), std::move(warnings)};
 }
 
 Answer<path::Pause> pause_path(Call& call, const path::Pause& params) {

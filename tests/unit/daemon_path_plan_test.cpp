@@ -86,6 +86,35 @@ TEST_F(DaemonPathPlan, WhatEachModeMakesOfAPathIsToldBeforeItIsRun) {
   EXPECT_EQ(ended->at("off_path_at").as_array().size(), 2U);
 }
 
+TEST_F(DaemonPathPlan, APathThatWasNotPlannedIsRehearsedToo) {
+  const json::object path{{"axes", json::array{"z", "y"}}, {"text", corner}, {"mode", "segments"}};
+  const auto ended = bench.call("path.run", path);
+  ASSERT_TRUE(ended) << ended.error().message;
+  const auto& expected = ended->at("expected").as_array();
+  ASSERT_EQ(expected.size(), 3U);
+  EXPECT_EQ(expected[0].at("mode"), "segments");
+  EXPECT_TRUE(expected[0].at("keeps_tolerance").as_bool());
+  EXPECT_LT(ended->at("off_path").to_number<double>(),
+            expected[0].at("off_path").to_number<double>() + 0.01);
+  EXPECT_TRUE(ended->at("warnings").as_array().empty());
+}
+
+TEST_F(DaemonPathPlan, APathThatWasNotPlannedIsWarnedOf) {
+  const json::object path{
+      {"axes", json::array{"z", "y"}}, {"text", corner}, {"tolerance", 1e-6}, {"deviation", 1}};
+  const auto ended = bench.call("path.run", path);
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_FALSE(ended->at("expected").at(0).at("keeps_tolerance").as_bool());
+  EXPECT_THAT(json::serialize(ended->at("warnings")),
+              HasSubstr("mode velocity is expected to leave the path by"));
+}
+
+TEST_F(DaemonPathPlan, WhatWasExpectedOfAPlanIsToldOnce) {
+  const auto ended = bench.call("path.run", run(plan(corner, {})));
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_TRUE(ended->at("expected").as_array().empty());
+}
+
 TEST_F(DaemonPathPlan, AModeThatLeavesThePathIsWarnedOfBeforeItIsRun) {
   const auto planned = plan(corner, {{"tolerance", 1e-6}, {"deviation", 1}});
   EXPECT_FALSE(planned.at("expected").at(0).at("keeps_tolerance").as_bool());

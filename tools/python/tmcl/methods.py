@@ -690,9 +690,12 @@ class PathRun(Record):
     tolerance_exceeded_by: float | None = None
     #: what else is to be said, such as of a parameter not set back
     remarks: tuple[str, ...] = ()
+    #: what was expected before it began, as path.plan says; empty of a path that was planned
+    #: before
+    expected: tuple[PathPlanExpected, ...] = ()
     #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError}
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "expected": PathPlanExpected}
 
 
 @dataclass(frozen=True)

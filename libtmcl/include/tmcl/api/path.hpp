@@ -95,8 +95,26 @@ struct Passage {
   TMCL_FIELD(std::vector<std::string>, remarks,
              "what else is to be said, such as of a parameter not set back");
 };
+/// What the axes are expected to make of it in a mode, by their twins.
+struct Expected {
+  TMCL_STRUCT(Expected);
+  TMCL_FIELD(std::string, mode, "velocity, segments or position");
+  TMCL_FIELD(double, off_path, "how far from the path the axes get, in the unit of the file");
+  TMCL_FIELD(double, off_path_at_s, "when they are so far off, in seconds of the course");
+  TMCL_FIELD(std::vector<double>, off_path_at, "where each axis is then");
+  TMCL_FIELD(double, lag_s, "how late on the path they get");
+  TMCL_FIELD(double, foreseen_s,
+             "how much of the course was foreseen; of a long one only the beginning");
+  TMCL_FIELD(bool, keeps_tolerance, "whether off_path stays within the tolerance");
+  TMCL_FIELD(std::optional<std::string>, refused,
+             "why the path cannot be passed in this mode, or would be ended; null if it can");
+};
 struct Passed : Passage {
   TMCL_STRUCT(Passed, Passage);
+  TMCL_FIELD(
+      std::vector<Expected>, expected,
+      "what was expected before it began, as path.plan says; empty of a path that was planned "
+      "before");
   TMCL_FIELD(std::vector<std::string>, warnings,
              "warnings about the settings of its axes, and what of the file is not carried out");
 };
@@ -163,20 +181,6 @@ struct Curve {
   TMCL_STRUCT(Curve);
   TMCL_FIELD(std::vector<double>, times_s, "of its points");
   TMCL_FIELD(std::vector<std::vector<double>>, positions, "of each axis at each of them");
-};
-/// What the axes are expected to make of it in a mode, by their twins.
-struct Expected {
-  TMCL_STRUCT(Expected);
-  TMCL_FIELD(std::string, mode, "velocity, segments or position");
-  TMCL_FIELD(double, off_path, "how far from the path the axes get, in the unit of the file");
-  TMCL_FIELD(double, off_path_at_s, "when they are so far off, in seconds of the course");
-  TMCL_FIELD(std::vector<double>, off_path_at, "where each axis is then");
-  TMCL_FIELD(double, lag_s, "how late on the path they get");
-  TMCL_FIELD(double, foreseen_s,
-             "how much of the course was foreseen; of a long one only the beginning");
-  TMCL_FIELD(bool, keeps_tolerance, "whether off_path stays within the tolerance");
-  TMCL_FIELD(std::optional<std::string>, refused,
-             "why the path cannot be passed in this mode, or would be ended; null if it can");
 };
 struct Planned {
   TMCL_STRUCT(Planned);
