@@ -5,6 +5,7 @@
 #include "api/doctor_handlers.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
+#include "api/profile_handlers.hpp"
 #include "api/settings_handlers.hpp"
 #include "api/token_handlers.hpp"
 
@@ -76,6 +77,8 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::set_ramp>(operate),
     method<handlers::compare_ramps>(observe),
     method<handlers::find_ramp>(observe),
+    method<handlers::simulate_profile>(observe),
+    method<handlers::solve_profile>(observe),
     method<handlers::home>(operate),
     method<handlers::start_home>(operate),
     method<handlers::stop_home>(stop),

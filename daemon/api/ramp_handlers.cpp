@@ -7,6 +7,7 @@
 
 #include "api/comparison_handlers.hpp"
 #include "api/lookup.hpp"
+#include "api/number_within.hpp"
 #include "api/quantity.hpp"
 #include "api/ramp_view.hpp"
 #include "async/rest.hpp"
@@ -220,13 +221,6 @@ Error not_foreseeable(const GatewayAxis& axis, const std::string& why) {
 }
 
 using api::ramp::Compare;
-
-/// Between two bounds; NaN is not.
-Task<double> number_within(std::string_view param, double value, double least, double greatest) {
-  if (value >= least && value <= greatest) co_return value;
-  co_return param_error("out_of_range", param,
-                        fmt::format("'{}' is {} to {}, not {}", param, least, greatest, value));
-}
 
 /// What swings behind the motor; nothing if no resonance was said.
 Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& params,

@@ -88,6 +88,9 @@ inline const std::vector<MethodCall> all{
      R"({"axis":"y","velocity":"50000pps","acceleration":"200000pps/s","distance_microsteps":9000,)"
      R"("resonance_hz":12})"},
     {"ramp.find", R"({"axis":"y","distance_microsteps":9000,"time_s":1})"},
+    {"profile.simulate",
+     R"({"model":"TMCM-142","distance_microsteps":9000,"points":5,"resonance_hz":12})"},
+    {"profile.solve", R"({"distance":200,"total_time":1,"speed":250,"assumption":"symmetric"})"},
     {"axis.home", R"({"axis":"x","mode":1,"timeout_ms":300})", {}, {0}, false, false, true},
     {"axis.start_home", R"({"axis":"x","mode":1})", {}, {0}},
     {"axis.stop_home", R"({"axis":"x"})", {{"axis.start_home", R"({"axis":"x"})"}}, {0}},

@@ -48,6 +48,8 @@ EFFECTS: Mapping[str, str] = {
     "axis.set_ramp": "writes",
     "ramp.compare": "reads",
     "ramp.find": "reads",
+    "profile.simulate": "reads",
+    "profile.solve": "reads",
     "axis.home": "moves",
     "axis.start_home": "moves",
     "axis.stop_home": "stops",
@@ -876,6 +878,69 @@ class RampFind(Record):
     #: the speed at which that is
     torque_share_pps: float | None = None
     _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
+
+
+@dataclass(frozen=True)
+class ProfileSimulateCurve(Record):
+    #: of its points
+    times_s: tuple[float, ...] = ()
+    #: where the motor is at each of them
+    positions_microsteps: tuple[int, ...] = ()
+    #: how fast
+    velocities_pps: tuple[float, ...] = ()
+    #: and how that changes
+    accelerations_pps2: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class ProfileSimulate(Record):
+    #: model of the module
+    model: str = ""
+    #: how long the move takes; null where it does not come to rest on its target
+    move_s: float | None = None
+    #: the longest part of it in which the speed changes one way
+    longest_phase_s: float = 0.0
+    #: how fast it gets, in microsteps per second
+    top_speed_pps: float = 0.0
+    #: how far the load swings to either side when the motor has arrived; null without one
+    swing_microsteps: float | None = None
+    #: when the load swings by no more than the tolerance; null if it never does
+    settled_s: float | None = None
+    #: to draw it; null unless points are asked for
+    curve: ProfileSimulateCurve | None = None
+    #: warnings about moves with its settings
+    warnings: tuple[str, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"curve": ProfileSimulateCurve}
+
+
+@dataclass(frozen=True)
+class ProfileSolve(Record):
+    #: how far it goes
+    distance: float = 0.0
+    #: the greatest
+    speed: float = 0.0
+    #: from the initial speed to that
+    acceleration: float = 0.0
+    #: from that to the final speed, as a positive number
+    deceleration: float = 0.0
+    #: how long it speeds up
+    acceleration_time: float = 0.0
+    #: how long it keeps its speed
+    slew_time: float = 0.0
+    #: how long it slows down
+    deceleration_time: float = 0.0
+    #: all of them
+    total_time: float = 0.0
+    #: with which it begins
+    initial_speed: float = 0.0
+    #: with which it ends
+    final_speed: float = 0.0
+    #: how far it goes while it speeds up
+    acceleration_distance: float = 0.0
+    #: at its speed
+    slew_distance: float = 0.0
+    #: while it slows down
+    deceleration_distance: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -1886,6 +1951,44 @@ class Methods:
         motor can drive; writes nothing."""
         return RampFind.of(self._call("ramp.find", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "time_s": time_s, "velocity": velocity, "velocity_internal": velocity_internal, "jerk": jerk, "bow": bow, "load": load, "load_per_velocity": load_per_velocity, "inertia": inertia, "corner_speed": corner_speed, "margin": margin}))
 
+    def profile_simulate(
+        self,
+        model: str,
+        distance_microsteps: int,
+        *,
+        parameters: Sequence[str] | None = None,
+        values: Sequence[int] | None = None,
+        until_s: float | None = None,
+        points: int | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
+        tolerance_microsteps: int | None = None,
+    ) -> ProfileSimulate:
+        """`profile.simulate` a move as the ramp generator of a model makes it, of a module that
+        need not be there."""
+        return ProfileSimulate.of(self._call("profile.simulate", {"model": model, "parameters": parameters, "values": values, "distance_microsteps": distance_microsteps, "until_s": until_s, "points": points, "resonance_hz": resonance_hz, "damping": damping, "tolerance_microsteps": tolerance_microsteps}))
+
+    def profile_solve(
+        self,
+        *,
+        distance: float | None = None,
+        speed: float | None = None,
+        acceleration: float | None = None,
+        deceleration: float | None = None,
+        acceleration_time: float | None = None,
+        slew_time: float | None = None,
+        deceleration_time: float | None = None,
+        total_time: float | None = None,
+        initial_speed: float | None = None,
+        final_speed: float | None = None,
+        acceleration_distance: float | None = None,
+        slew_distance: float | None = None,
+        deceleration_distance: float | None = None,
+        assumption: str | None = None,
+    ) -> ProfileSolve:
+        """`profile.solve` all of a trapezoid from as much of it as determines it; asks no module."""
+        return ProfileSolve.of(self._call("profile.solve", {"distance": distance, "speed": speed, "acceleration": acceleration, "deceleration": deceleration, "acceleration_time": acceleration_time, "slew_time": slew_time, "deceleration_time": deceleration_time, "total_time": total_time, "initial_speed": initial_speed, "final_speed": final_speed, "acceleration_distance": acceleration_distance, "slew_distance": slew_distance, "deceleration_distance": deceleration_distance, "assumption": assumption}))
+
     def axis_home(
         self,
         axis: str,
@@ -2820,6 +2923,44 @@ class AsyncMethods:
         """`ramp.find` finds the gentlest ramp that makes a move in time, or the quickest that a
         motor can drive; writes nothing."""
         return RampFind.of(await self._call("ramp.find", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "time_s": time_s, "velocity": velocity, "velocity_internal": velocity_internal, "jerk": jerk, "bow": bow, "load": load, "load_per_velocity": load_per_velocity, "inertia": inertia, "corner_speed": corner_speed, "margin": margin}))
+
+    async def profile_simulate(
+        self,
+        model: str,
+        distance_microsteps: int,
+        *,
+        parameters: Sequence[str] | None = None,
+        values: Sequence[int] | None = None,
+        until_s: float | None = None,
+        points: int | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
+        tolerance_microsteps: int | None = None,
+    ) -> ProfileSimulate:
+        """`profile.simulate` a move as the ramp generator of a model makes it, of a module that
+        need not be there."""
+        return ProfileSimulate.of(await self._call("profile.simulate", {"model": model, "parameters": parameters, "values": values, "distance_microsteps": distance_microsteps, "until_s": until_s, "points": points, "resonance_hz": resonance_hz, "damping": damping, "tolerance_microsteps": tolerance_microsteps}))
+
+    async def profile_solve(
+        self,
+        *,
+        distance: float | None = None,
+        speed: float | None = None,
+        acceleration: float | None = None,
+        deceleration: float | None = None,
+        acceleration_time: float | None = None,
+        slew_time: float | None = None,
+        deceleration_time: float | None = None,
+        total_time: float | None = None,
+        initial_speed: float | None = None,
+        final_speed: float | None = None,
+        acceleration_distance: float | None = None,
+        slew_distance: float | None = None,
+        deceleration_distance: float | None = None,
+        assumption: str | None = None,
+    ) -> ProfileSolve:
+        """`profile.solve` all of a trapezoid from as much of it as determines it; asks no module."""
+        return ProfileSolve.of(await self._call("profile.solve", {"distance": distance, "speed": speed, "acceleration": acceleration, "deceleration": deceleration, "acceleration_time": acceleration_time, "slew_time": slew_time, "deceleration_time": deceleration_time, "total_time": total_time, "initial_speed": initial_speed, "final_speed": final_speed, "acceleration_distance": acceleration_distance, "slew_distance": slew_distance, "deceleration_distance": deceleration_distance, "assumption": assumption}))
 
     async def axis_home(
         self,

@@ -46,6 +46,8 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"axis.set_ramp", "ramp"},
     {"ramp.compare", "ramp --compare"},
     {"ramp.find", "ramp --fastest"},
+    {"profile.simulate", "profile simulate"},
+    {"profile.solve", "profile solve"},
     {"axis.home", "home"},
     {"axis.start_home", "home --no-wait"},
     {"axis.stop_home", "home --stop"},
