@@ -1,4 +1,5 @@
 // What modules record by themselves.
+#include "api/beside_journeys.hpp"
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "tmcl/data_logger.hpp"
@@ -91,28 +92,6 @@ tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureRequest re
     co_await tmcl::must(tmcl::verbs::start_capture(address, *setup));
   }
   co_return Begun{std::move(*setup), static_cast<double>(info.ticks_per_second), capture};
-}
-
-/// A journey needs its bus; what a module records does not run away.
-std::optional<tmcl::Error> objection_by_journey(const GatewayBus& bus) {
-  for (const auto by : {ClaimKind::path, ClaimKind::line, ClaimKind::mint, ClaimKind::jog,
-                        ClaimKind::deadman_test, ClaimKind::verification}) {
-    if (bus.motors().claimed_by(by) == 0) continue;
-    auto error =
-        tmcl::not_sent(tmcl::Errc::axis_claimed,
-                       "axes of this bus are led along a line or path, and that needs the bus",
-                       "wait for its end: the module keeps what it records");
-    error.bus = bus.name();
-    return error;
-  }
-  return std::nullopt;
-}
-
-RunOptions beside_journeys(const Call& call, const GatewayAxis& axis) {
-  RunOptions options;
-  options.permit = call.permit;
-  options.objection = [bus = axis.bus().shared_from_this()] { return objection_by_journey(*bus); };
-  return options;
 }
 
 /// The axis of a capture that is still the one of its module.

@@ -6,6 +6,7 @@
 #include "api/handlers.hpp"
 #include "api/method.hpp"
 #include "api/profile_handlers.hpp"
+#include "api/resonance_handlers.hpp"
 #include "api/settings_handlers.hpp"
 #include "api/token_handlers.hpp"
 
@@ -54,6 +55,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::move_by>(operate),
     method<handlers::rotate>(operate),
     method<handlers::jog>(operate),
+    method<handlers::measure_resonance>(operate),
     method<handlers::stop>(stop),
     method<handlers::wait>(observe),
     method<handlers::acquire_lease>(operate),

@@ -91,6 +91,25 @@ TEST(RingDownProperty, NoiseDoesNotRing) {
   }
 }
 
+// Read at even times it would look like a slower one; what is read at other times tells.
+TEST(RingDownProperty, TwoReadingsDoNotAgreeOnWhatOnlyLooksSo) {
+  const auto first = test::seed();
+  for (auto seed = first; seed < first + static_cast<std::uint64_t>(test::rounds(50)); ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Scene scene(seed);
+    const bool looks_slower = scene.one_in(2);
+    const double swings = looks_slower ? scene.part(1.05, 1.35) : scene.part(0.05, 0.3);
+    scene.resonance.frequency_hz = swings / scene.interval_s;
+    scene.resonance.damping = scene.part(0.001, 0.004) / swings;
+    scene.noise = 0;
+    scene.jitter = 0;
+    const auto found = ring_down(scene.positions());
+    ASSERT_EQ(found.verdict, RingDown::Verdict::rings);
+    scene.jitter = 0.4;
+    ASSERT_EQ(explains(found.resonance, scene.positions()), !looks_slower) << swings;
+  }
+}
+
 // Faster than they are read: with uneven times it does not look like a slower one.
 TEST(RingDownProperty, WhatIsTooFastIsNotTakenForSomethingSlower) {
   const auto first = test::seed();

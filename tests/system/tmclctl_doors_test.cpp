@@ -37,6 +37,7 @@ const std::vector<std::string> lines{
     "params 3/1 --values",
     "ramp 3/1 --velocity 100000pps --acceleration 1000000pps/s",
     "ramp 3/1 --time 500ms --distance 20000",
+    "resonance 3/1 --distance 500 --for 0.1",
     "move 1/0 5000 --wait",
     "move 1/0 1rev --by --wait",
     "move 1/0 1mm",

@@ -101,6 +101,7 @@ inline std::vector<MovingExample> moving_examples() {
       one("axis.move_by", {{"axis", "x"}, {"distance_microsteps", 51'200}}),
       one("axis.move_by", {{"axis", "x"}, {"distance", 5}, {"predict", false}}),
       one("axis.rotate", {{"axis", "x"}, {"velocity_internal", example_velocity}}),
+      one("axis.resonance", {{"axis", "x"}, {"distance_microsteps", 51'200}, {"listen_ms", 50}}),
       {{{"lease.acquire", {{"axes", json::array{"x"}}, {"ttl_ms", 60'000}}},
         {"axis.jog",
          {{"axis", "x"}, {"velocity_internal", example_velocity}, {"hold_ms", 1'000}}}}},

@@ -8,6 +8,7 @@
 #include "support/data_logger.hpp"
 #include "support/scripted_bus.hpp"
 #include "tmcl/data_logger.hpp"
+#include "tmcl/readings_at_rest.hpp"
 #include "unit/engine_requests.hpp"
 
 namespace tmcl {
@@ -79,6 +80,18 @@ std::vector<Case> all_verbs() {
          const Microsteps goal{
              bus.module(1).parameter(axis.motor, axis_parameter::target_position)};
          return place(bus.run(verbs::wait_until_reached(axis, {.goal = goal})));
+       }},
+      {"read_at_rest",
+       [](ScriptedBus& bus) {
+         bus.module(1).parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+         bus.module(1).parameter(axis.motor, axis_parameter::position_reached) = 1;
+         RestReadings wanted;
+         wanted.parameter = axis_parameter::actual_position;
+         wanted.most = 2;
+         return show(bus.run(verbs::read_at_rest(axis, wanted)),
+                     [](const std::vector<ReadingAt>& readings) {
+                       return std::to_string(readings.back().value);
+                     });
        }},
       {"store", [](ScriptedBus& bus) { return done(bus.run(verbs::store(axis, 4))); }},
       {"restore", [](ScriptedBus& bus) { return done(bus.run(verbs::restore(axis, 4))); }},

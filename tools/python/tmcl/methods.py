@@ -25,6 +25,7 @@ EFFECTS: Mapping[str, str] = {
     "axis.move_by": "moves",
     "axis.rotate": "moves",
     "axis.jog": "moves",
+    "axis.resonance": "moves",
     "axis.stop": "stops",
     "axis.wait": "reads",
     "lease.acquire": "writes",
@@ -445,6 +446,41 @@ class Jogging(Record):
     until_ms: int = 0
     #: such as that the journal cannot be written
     warnings: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class MeasuredResonance(Record):
+    #: name of the axis
+    axis: str = ""
+    #: rings: the next three are known; still: its encoder stood as soon as the motor; unclear:
+    #: it did neither
+    verdict: str = ""
+    #: how fast the load swings behind the motor
+    resonance_hz: float | None = None
+    #: of its swings, 0 to less than 1
+    damping: float | None = None
+    #: how far it swung to either side when the motor had arrived, as its encoder counts
+    swing: float | None = None
+    #: the part of what the encoder did then that this explains, 0 to 1
+    confidence: float = 0.0
+    #: what swings more slowly is not seen in readings over this time
+    lowest_hz: float = 0.0
+    #: what swings faster is not seen in so few readings a second
+    highest_hz: float = 0.0
+    #: how many of the encoder
+    readings: int = 0
+    #: the module has recorded them by itself, by command 142; else the bus was asked
+    recorded: bool = False
+    #: over which time, in seconds
+    readings_s: float = 0.0
+    #: how far the move went
+    distance_microsteps: int = 0
+    #: the greatest velocity of the move, in microsteps per second
+    velocity_pps: float = 0.0
+    #: its acceleration, per second squared
+    acceleration_pps2: float = 0.0
+    #: warnings about moves with its settings
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -1691,6 +1727,19 @@ class Methods:
         """`axis.jog` goes one way for as long as it is called again; needs a lease."""
         return Jogging.of(self._call("axis.jog", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "hold_ms": hold_ms}))
 
+    def axis_resonance(
+        self,
+        axis: str,
+        *,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        listen_ms: int | None = None,
+        deadline_ms: int | None = None,
+    ) -> MeasuredResonance:
+        """`axis.resonance` makes a small move and finds from the encoder how the load swings after
+        it."""
+        return MeasuredResonance.of(self._call("axis.resonance", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "listen_ms": listen_ms, "deadline_ms": deadline_ms}))
+
     def axis_stop(self, axis: str) -> None:
         """`axis.stop` ramps down to standstill; goes out before everything else."""
         self._call("axis.stop", {"axis": axis})
@@ -2663,6 +2712,19 @@ class AsyncMethods:
     ) -> Jogging:
         """`axis.jog` goes one way for as long as it is called again; needs a lease."""
         return Jogging.of(await self._call("axis.jog", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "hold_ms": hold_ms}))
+
+    async def axis_resonance(
+        self,
+        axis: str,
+        *,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        listen_ms: int | None = None,
+        deadline_ms: int | None = None,
+    ) -> MeasuredResonance:
+        """`axis.resonance` makes a small move and finds from the encoder how the load swings after
+        it."""
+        return MeasuredResonance.of(await self._call("axis.resonance", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "listen_ms": listen_ms, "deadline_ms": deadline_ms}))
 
     async def axis_stop(self, axis: str) -> None:
         """`axis.stop` ramps down to standstill; goes out before everything else."""

@@ -23,6 +23,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"axis.move_by", "move --by"},
     {"axis.rotate", "rotate"},
     {"axis.jog", "jog"},
+    {"axis.resonance", "resonance"},
     {"axis.stop", "stop"},
     {"lease.acquire", "lease run"},
     {"lease.renew", "lease run"},

@@ -307,6 +307,13 @@ struct Ramp {
   bool store = false;
   bool internal = false;
 };
+/// How a load swings, by a small move.
+struct Resonance {
+  std::string axis;
+  std::string distance;  ///< Empty: a quarter of a turn.
+  std::optional<double> for_s;
+  bool internal = false;
+};
 /// One quantity in all its forms, on a module that need not be there.
 struct Convert {
   std::string model;

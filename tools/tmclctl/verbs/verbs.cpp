@@ -45,6 +45,7 @@ void add_verbs(Grammar& grammar) {
   add_path_steering(grammar, path);
   add_module_programs(grammar, add_program(grammar));
   add_ramp(grammar);
+  add_resonance(grammar);
   add_convert(grammar);
 }
 

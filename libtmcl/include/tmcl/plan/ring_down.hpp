@@ -41,5 +41,7 @@ struct RingDown {
 
 /// The times ascend.
 RingDown ring_down(std::span<const PositionAt> positions);
+/// Other positions of the same time swing so, too, as far as they are enough to tell.
+bool explains(const Resonance& resonance, std::span<const PositionAt> positions);
 
 }  // namespace tmcl::plan

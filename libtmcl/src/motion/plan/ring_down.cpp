@@ -177,6 +177,12 @@ bool stands(std::span<const PositionAt> positions) {
 
 }  // namespace
 
+bool explains(const Resonance& resonance, std::span<const PositionAt> positions) {
+  if (positions.size() < least_ring_down_positions) return true;
+  const Readings swings(while_it_swings(positions, resonance));
+  return swings.fit(resonance).left <= (1 - least_confidence) * swings.squares();
+}
+
 RingDown ring_down(std::span<const PositionAt> positions) {
   positions = positions.first(std::min(positions.size(), most_ring_down_positions));
   RingDown found;
