@@ -315,7 +315,7 @@ const boost::json::object planned{
 
 TEST_F(CtlPath, TheGatewayIsToldToSkipUnknownWords) {
   target.plan = planned;
-  target.plan["warnings"] = {"line 1: 'E5' is not known here; skipped"};
+  target.plan["warnings"] = boost::json::array{"line 1: 'E5' is not known here; skipped"};
   const auto line = file("G1 X10 E5 F600\n");
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=left", "--lenient", "--dry-run"}),
             ExitCode::done)

@@ -53,7 +53,7 @@ TEST_F(CtlResonance, HandsOnWhatIsSaid) {
 TEST_F(CtlResonance, SaysWhatItDoesNotKnow) {
   target.result["verdict"] = "unclear";
   for (const auto* name : {"resonance_hz", "damping", "swing"}) target.result[name] = nullptr;
-  target.result["warnings"] = {"no swing explains it"};
+  target.result["warnings"] = boost::json::array{"no swing explains it"};
   EXPECT_EQ(run({"resonance", "x"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr("how the load of x swings is not clear\nseen is what swings at 1 to"));
   EXPECT_THAT(err, HasSubstr("no swing explains it"));

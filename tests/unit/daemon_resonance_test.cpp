@@ -136,7 +136,7 @@ TEST(MeasuredResonance, LeavesWhatTheModuleRecords) {
   EXPECT_EQ(state->at("state"), "complete");
 }
 
-// It would look like a slower one if the encoder were read at even times only, as a module does that
+// It would look like a slower one if the encoder were read at even times only, as by a module that
 // records it.
 TEST(MeasuredResonance, ThatIsTooFastIsNotTakenForAnother) {
   const Ramp of_tmc429{"TMCM-1110", {{154, 3}, {153, 3}, {4, 1500}, {5, 1500}}};

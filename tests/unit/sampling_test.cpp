@@ -110,7 +110,7 @@ TEST_F(Sampling, TakesHalfOfTheIntervalAndTurns) {
   daemon.run_for(milliseconds(3200));
   auto asked = reads();
   const auto looks = asked[tmcl::axis_parameter::actual_position];
-  EXPECT_GE(looks, 14);
+  EXPECT_GE(looks, 8) << "also where looking takes the other half, and more";
   for (const auto parameter : {4, 5, 6, 7, 194, 195, 204, 206})
     EXPECT_NEAR(asked[parameter], looks * 7 / 8, 2) << parameter;
 }
@@ -134,7 +134,7 @@ TEST_F(Sampling, WhoLooksMoreOftenDoesNotMakeItReadMoreOften) {
   daemon.run_for(milliseconds(4000));
   auto asked = reads();
   EXPECT_GE(asked[load_value], 3);
-  EXPECT_LE(asked[load_value], 8);
+  EXPECT_LE(asked[load_value], 9);
   EXPECT_GE(asked[tmcl::axis_parameter::actual_position], 150);
 }
 

@@ -104,13 +104,13 @@ Result<ScannedAxis> look_at(const verb::ScanPositions& verb, Context& context) {
 Result<void> check_limits(const Span& span, const ScannedAxis& axis) {
   const auto& limits = axis.units.limits;
   if (!limits) return {};
-  for (const auto end : {span.from, span.to}) {
-    const auto there = in_own_unit({end, span.unit}, axis.units);
+  for (const auto number : {span.from, span.to}) {
+    const tmcl::Quantity end{number, span.unit};
+    const auto there = in_own_unit(end, axis.units);
     if (!there || (*there >= limits->least.value && *there <= limits->greatest.value)) continue;
     return tl::unexpected(usage_error(
         std::string(name_of(tmcl::Errc::beyond_soft_limit)),
-        fmt::format("{} is beyond the soft limits of {}", text_of({end, span.unit}),
-                    axis.recording.axis),
+        fmt::format("{} is beyond the soft limits of {}", text_of(end), axis.recording.axis),
         fmt::format("{} to {}", tmcl::plain_number(limits->least.value, digits_of_targets),
                     tmcl::plain_number(limits->greatest.value, digits_of_targets))));
   }
@@ -488,7 +488,7 @@ is stopped. The same command with --resume goes on behind the last row of its fi
 
   tmclctl scan-positions x --from 0mm --to 10mm --steps 21 --dwell 0.2s --csv scan.csv
   tmclctl scan-positions x --from 0mm --to 10mm --steps 21 --repeat 5 --both-ways --csv scan.csv --resume
-  tmclctl scan-positions x --from 0mm --to 10mm --steps 3 --at './measure.sh $TMCL_POSITION'
+  tmclctl scan-positions x --from 0mm --to 10mm --steps 3 --at ./measure.sh
 )";
 
 }  // namespace
