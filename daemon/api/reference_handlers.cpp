@@ -5,6 +5,7 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
+#include "api/with_peer.hpp"
 #include "gateway/standing_stop.hpp"
 #include "tmcl/parameter_number.hpp"
 
@@ -56,17 +57,6 @@ tmcl::HomeOptions home_options(const Call& call, const axis::Home& params) {
     return true;
   };
   return options;
-}
-
-/// Also ends when the client goes; the search goes on then, like any movement.
-RunOptions with_peer(RunOptions movement, std::shared_ptr<Peer> peer) {
-  movement.objection = [objection = std::move(movement.objection),
-                        peer = std::move(peer)]() -> std::optional<tmcl::Error> {
-    if (auto error = objection()) return error;
-    if (!peer->is_gone()) return std::nullopt;
-    return tmcl::bad_argument("the client is gone");
-  };
-  return movement;
 }
 
 /// A mode that the model has not is not even written.

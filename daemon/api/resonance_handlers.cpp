@@ -11,6 +11,7 @@
 #include "api/beside_journeys.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
+#include "api/with_peer.hpp"
 #include "tmcl/data_logger.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
@@ -85,16 +86,6 @@ Task<Start> start_of(GatewayAxis& axis, const axis::Resonance& params) {
   start.position = reading.state.position;
   start.counted = co_await must(axis.get(start.encoder, {}), axis);
   co_return start;
-}
-
-RunOptions while_asked(const Call& call) {
-  RunOptions options;
-  options.permit.client = call.permit.client;
-  options.objection = [peer = call.peer]() -> std::optional<tmcl::Error> {
-    if (!peer->is_gone()) return std::nullopt;
-    return tmcl::bad_argument("the client is gone");
-  };
-  return options;
 }
 
 tmcl::Duration listening_of(const axis::Resonance& params) {
@@ -267,8 +258,9 @@ void tell(const RingDown& found, axis::MeasuredResonance& result) {
 Answer<axis::Resonance> measure_resonance(Call& call, const axis::Resonance& params) {
   const auto ready = co_await must(ready_to_move(call, params));
   auto& axis = *ready.axis;
+  // Before the module is told to record anything.
+  co_await must(axis.be_free(ready.moves), axis);
   const auto start = co_await must(start_of(axis, params));
-  // From where it stands by its counter: what was read is that of this move then.
   axis::MeasuredResonance result;
   result.axis = axis.name();
   result.distance_microsteps = start.distance.value;
@@ -287,7 +279,9 @@ Answer<axis::Resonance> measure_resonance(Call& call, const axis::Resonance& par
   }
   result.warnings = moved->warnings;
   auto script = tmcl::verbs::read_at_rest(axis.address(), wanted_of(start, *moved, params));
-  const auto readings = co_await axis.perform(std::move(script), while_asked(call));
+  auto until_stopped = with_peer(ready.moves, call.peer);
+  until_stopped.deadline.reset();  // That of the move.
+  const auto readings = co_await axis.perform(std::move(script), std::move(until_stopped));
   std::vector<plan::PositionAt> recorded;
   if (recording) {
     auto end = end_recording(ready.axis, *recording);
