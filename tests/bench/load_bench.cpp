@@ -65,7 +65,7 @@ void ring_down(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(plan::ring_down(positions));
 }
 
-const int added = [] {
+const int loads_added = [] {
   benchmark::RegisterBenchmark("sim/move/rigid", [](benchmark::State& state) { move(state, {}); });
   benchmark::RegisterBenchmark("sim/move/resonant", [](benchmark::State& state) {
     move(state, sim::Resonance{12, 0.05});

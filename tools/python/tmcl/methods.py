@@ -678,7 +678,7 @@ class PathPlan(Record):
     #: what is expected in each mode, the one that was asked for first; empty where the ramps
     #: of an axis are not described
     expected: tuple[PathPlanExpected, ...] = ()
-    #: warnings about moves with its settings
+    #: warnings about the settings of its axes, and what of the file is not carried out
     warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve, "expected": PathPlanExpected}
 
@@ -731,7 +731,7 @@ class PathRun(Record):
     #: what was expected before it began, as path.plan says; empty of a path that was planned
     #: before
     expected: tuple[PathPlanExpected, ...] = ()
-    #: warnings about moves with its settings
+    #: warnings about the settings of its axes, and what of the file is not carried out
     warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "expected": PathPlanExpected}
 
