@@ -311,7 +311,8 @@ class FakeGateway final : public tmcl::client::Channel {
   }
   Result<api::parameter::Value> get(const api::parameter::Get& params) {
     const auto parameter = text_of(params.parameter);
-    const auto name = parse_parameter(common_parameters(), parameter);
+    auto name = parse_parameter(common_parameters(), parameter);
+    if (!name && values.contains(parameter)) name = ParameterName{0, parameter};
     if (!name) return tl::unexpected(name.error());
     calls.push_back("get " + params.axis + ' ' + name->name);
     api::parameter::Value value{{name->name, name->number}, -1500, {}, {}};

@@ -75,7 +75,7 @@ TEST_F(CtlScanPositions, GoesBackAsOftenAsItIsTold) {
   EXPECT_EQ(document.at("visits"), 5);
   EXPECT_EQ(document.at("positions").as_array().size(), 3U);
   EXPECT_EQ(document.at("positions").at(1).at("count"), 2);
-  EXPECT_EQ(document.at("backlash"), 0.0);
+  EXPECT_EQ(document.at("backlash").to_number<double>(), 0);
   EXPECT_EQ(document.at("encoder"), false);
 }
 

@@ -91,7 +91,7 @@ Result<ScannedAxis> look_at(const verb::ScanPositions& verb, Context& context) {
   auto units = units_of(verb.axis, context);
   if (!units) return tl::unexpected(units.error());
   ScannedAxis axis{std::move(*recording), std::move(*units)};
-  axis.has_unit = axis.units.has_unit() && !verb.internal;
+  axis.has_unit = axis.recording.user.has_value();
   axis.has_encoder = verb.encoder || axis.units.encoder_counts_per_unit.has_value();
   if (!axis.has_encoder) return axis;
   // Before anything moves: whether it can be read.
