@@ -5,14 +5,11 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/views.hpp"
-#include "tmcl/parameter_number.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
 bool is_of_ramp(const tmcl::Model& model, std::uint8_t parameter) {
-  // A motor without current is told of when it is to move.
-  if (parameter == tmcl::number_of("max_current")) return false;
   const auto all = tmcl::plan::AxisTwin::parameters(model);
   // On a TMC457, max_acceleration is two of them at once.
   return parameter == tmcl::axis_parameter::max_acceleration ||

@@ -65,13 +65,6 @@ TEST_F(DaemonPrediction, IsNullForAnAxisThatWillNotArrive) {
   EXPECT_TRUE(move().at("predicted_s").is_null());
 }
 
-TEST_F(DaemonPrediction, SaysThatAMotorHasNoTorque) {
-  EXPECT_EQ(move().at("warnings"), json::array());
-  client.result("parameter.set", {{"axis", "x"}, {"parameter", "max_current"}, {"value", 0}});
-  EXPECT_EQ(move().at("warnings"),
-            json::array({"max_current is 0: the motor has no torque, and does not turn"}));
-}
-
 // While it is known when a move ends, it is looked at once a second; whoever turns the axis instead
 // may want to know sooner what becomes of it.
 TEST_F(DaemonPrediction, IsForgottenWhenTheAxisIsSentElsewhere) {

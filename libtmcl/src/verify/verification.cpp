@@ -9,7 +9,6 @@
 #include "engine/verb_steps.hpp"
 #include "motion/twin/divisors.hpp"
 #include "tmcl/command_type.hpp"
-#include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
 #include "verify/watched_axis.hpp"
 
@@ -510,10 +509,8 @@ Script<Result<Verification>> verify(AxisAddress axis, VerifyOptions options) {
 }  // namespace verbs
 
 std::vector<std::uint8_t> verify_parameters(const Model& model) {
-  if (model.family != Family::tmc429) return {axis_parameter::max_velocity};
-  auto parameters = plan::AxisTwin::parameters(model);
-  std::erase(parameters, number_of("max_current"));
-  return parameters;
+  if (model.family == Family::tmc429) return plan::AxisTwin::parameters(model);
+  return {axis_parameter::max_velocity};
 }
 
 ModuleTraits Verification::found() const {

@@ -48,7 +48,7 @@ class AxisTwin {
   /// An axis as it is after power-up. Nothing for a model whose ramp generator is not
   /// described: the families tmc4361 and firmware.
   static std::optional<AxisTwin> of(const Model& model);
-  /// The axis parameters that make a difference to a move, in the order in which to set() them.
+  /// The axis parameters that make a difference to a ramp, in the order in which to set() them.
   static std::vector<std::uint8_t> parameters(const Model& model);
 
   const Model& model() const { return *model_; }
@@ -102,7 +102,6 @@ class AxisTwin {
   Chip chip_;
   UnitMode units_;
   std::int64_t top_speed_ = 0;  // parameter 4, in the chip's unit
-  bool has_current_ = true;
   Duration elapsed_{};
   ramp::Tick origin_ = 0;  // the tick that counts as the moment when it was made
 };

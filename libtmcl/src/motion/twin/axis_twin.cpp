@@ -211,7 +211,6 @@ std::vector<std::uint8_t> AxisTwin::parameters(const Model& model) {
                               number_of("max_deceleration"), number_of("max_bow")})
       add(number);
   }
-  add(number_of("max_current"));
   return numbers;
 }
 
@@ -233,7 +232,6 @@ bool AxisTwin::take(const ParameterInfo& row, std::int32_t value) {
     units_.set(value == 1);
     return true;
   }
-  if (row.number == number_of("max_current")) has_current_ = value != 0;
   return std::visit(
       [&](auto& chip) {
         const auto map = map_of(chip);
@@ -379,8 +377,6 @@ std::vector<std::string> AxisTwin::warnings(std::span<const Setting> written,
       [&](const auto& chip) {
         const ParameterNames names(*model_, chip, units_, written, scale);
         std::vector<std::string> warnings;
-        if (!has_current_)
-          warnings.emplace_back("max_current is 0: the motor has no torque, and does not turn");
         for (const auto& finding : chip.findings()) warnings.push_back(describe(finding, names));
         return warnings;
       },
