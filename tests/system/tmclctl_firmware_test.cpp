@@ -61,7 +61,7 @@ TEST_F(TmclctlFirmware, AnUploadThatWasKilledIsDoneAgain) {
   const auto useless = run({"get", "1/0", "actual_position"});
   EXPECT_EQ(useless.status, 3);
   EXPECT_THAT(useless.err, HasSubstr("module 1 is in its bootloader: no firmware runs in it"));
-  EXPECT_THAT(useless.err, HasSubstr("`tmclctl firmware upload` gives it one"));
+  EXPECT_THAT(useless.err, HasSubstr("firmware upload' gives it one"));
   EXPECT_THAT(run({"scan", "--addresses", "1-3"}).out, HasSubstr("NO FIRMWARE runs"));
   const auto again = run({"firmware", "upload", file("1110.hex"), "1"});
   EXPECT_EQ(again.status, 0) << again.err;
@@ -121,7 +121,7 @@ TEST_F(TmclctlFirmware, AModuleWithoutFirmwareIsToldOfByTheDaemon) {
   const auto moved = ctl(through_daemon(), {"move", "x", "100"});
   EXPECT_EQ(moved.status, 3);
   EXPECT_THAT(moved.err, HasSubstr("module 1 is in its bootloader: no firmware runs in it"));
-  EXPECT_THAT(moved.err, HasSubstr("`tmclctl firmware upload` gives it one"));
+  EXPECT_THAT(moved.err, HasSubstr("firmware upload' gives it one"));
   EXPECT_THAT(ctl(through_daemon(), {"stop", "x"}).err, HasSubstr("does not know this command"))
       << "sent, and refused by the bootloader";
   EXPECT_EQ(ctl(through_daemon(), {"stop", "y"}).status, 0) << "another module";

@@ -114,8 +114,8 @@ TEST_F(CtlUnits, WatchAndPlotAreInTheUnitOfTheAxis) {
   EXPECT_EQ(document.at("position").as_array().back().to_number<double>(), 1);
   EXPECT_EQ(document.at("position_microsteps").as_array().back(), 10'240);
   run({"plot", "x", "--by", "10240", "--csv", "-"});
-  EXPECT_THAT(out, testing::StartsWith("time_s,position_microsteps,velocity_internal,position_mm,"
-                                       "velocity_mm_per_s,utc\n0.000000,10240,"));
+  EXPECT_THAT(out, HasSubstr("\ntime_s,position_microsteps,velocity_internal,position_mm,"
+                             "velocity_mm_per_s,utc\n0.000000,10240,"));
   EXPECT_THAT(out, HasSubstr(",20480,0,2,0,1970-01-01T01:"));
   target.user.reset();
   EXPECT_TRUE(json({"plot", "x", "--by", "-10240"}).at("unit").is_null());

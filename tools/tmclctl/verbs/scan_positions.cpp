@@ -173,6 +173,7 @@ class PositionScan {
   HeldLease lease_;
   OutputFile file_;
   bool begins_file_ = true;
+  bool was_sent_ = false;                   ///< The axis, somewhere.
   std::optional<std::uint64_t> last_stop_;  ///< When the scan began.
 };
 
@@ -243,6 +244,7 @@ Result<void> PositionScan::visit(const Visit& visit) {
   if (before->last_stop != last_stop_) return tl::unexpected(stopped_meanwhile());
   const auto quantity = span_.at(visit.index, verb_.steps);
   const auto move = move_to(quantity);
+  if (move || move.error().outcome != tmcl::Outcome::not_sent) was_sent_ = true;
   if (!move) return tl::unexpected(move.error());
   if (auto stands = wait(*move); !stands) return stands;
   if (auto rested = rest(); !rested) return rested;
@@ -389,7 +391,7 @@ Error PositionScan::ended_by(Error failure) {
                                 axis_.recording.axis, reached_.size(), visits_.size());
   const int signal = context_.host.take_signal();
   // Also where the lease is not this program's own, or is lost.
-  const auto stopped = context_.call(api::axis::Stop{verb_.axis});
+  const bool stopped = !was_sent_ || context_.call(api::axis::Stop{verb_.axis});
   (void)lease_.release(context_);
   const auto hint = file_.is_open() ? std::string(resume_hint) : std::string();
   if (signal != 0) {
