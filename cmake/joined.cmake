@@ -20,8 +20,7 @@ function(tmcl_join_sources target groups)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP group_${group})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # The compiler takes a joined source for a header, and warns of types in its unnamed namespace. clang warns
-  # of local names that another source has, too. The preset `dev` shows what is wrong in a source itself.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>
-    $<$<CXX_COMPILER_ID:Clang>:-Wno-shadow>)
+  # The compiler takes a joined source for a header, and warns of types in its unnamed namespace, and of local
+  # names that another source has, too. The preset `dev` shows what is wrong in a source itself.
+  target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()

@@ -1,7 +1,7 @@
 # How long the programs take to build; sourced by scripts/demo, and by the test of what README.md says.
 
-# Measured with g++ 12: 760 s of processor time for 60 steps, each of several sources.
-readonly tenths_of_second_per_step=126
+# Measured with g++ 12: 650 s of processor time for 48 steps, each of several sources.
+readonly tenths_of_second_per_step=135
 
 # minutes_to_build STEPS PROCESSORS: rounded.
 minutes_to_build() { echo $((($1 * tenths_of_second_per_step / 10 / $2 + 30) / 60)); }

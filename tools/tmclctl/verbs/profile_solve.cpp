@@ -33,7 +33,7 @@ std::string_view failure_name(plan::SolveError::Kind kind) {
   return "";
 }
 
-Error error_from(const plan::SolveError& error, std::string_view unit) {
+Error solve_failure(const plan::SolveError& error, std::string_view unit) {
   auto failure = usage_error(std::string(failure_name(error.kind)), describe(error, unit, "s"));
   json::array quantities;
   for (const auto quantity :
@@ -183,7 +183,7 @@ Result<ExitCode> run(const verb::SolveProfile& verb, Output& output) {
   const auto known = profile::read_known_values(verb.words);
   if (!known) return tl::unexpected(known.error());
   const auto solved = plan::solve(known->given, known->assumption);
-  if (!solved) return tl::unexpected(error_from(solved.error(), known->unit));
+  if (!solved) return tl::unexpected(solve_failure(solved.error(), known->unit));
   return show(verb, *solved, *known, output).map([] { return ExitCode::done; });
 }
 
