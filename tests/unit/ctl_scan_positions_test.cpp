@@ -61,7 +61,7 @@ TEST_F(CtlScanPositions, VisitsThemAllAndWritesWhatWasReached) {
                                   "1,2,up,1000,1000,,1000,1000,0"));
   EXPECT_THAT(contents(), AllOf(HasSubstr("# tmclctl "), HasSubstr("# x: TMCM-1110"),
                                 HasSubstr("# scan of x from 0 to 1000 in 3 positions, 1 times;"),
-                                HasSubstr("\nutc,pass,index,approach,target_microsteps,")));
+                                HasSubstr("\nutc,pass,index,approach,command_microsteps,")));
   EXPECT_THAT(out, HasSubstr("the configuration names no encoder"));
   EXPECT_TRUE(has_called("lease.acquire"));
   EXPECT_TRUE(has_called("lease.release"));

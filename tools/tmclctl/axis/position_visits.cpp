@@ -109,9 +109,8 @@ ScanStatistics statistics_of(const std::vector<Reached>& visits) {
 
 std::string scan_columns(const std::string& unit) {
   return fmt::format(
-      "utc,pass,index,approach,target_microsteps,position_microsteps,encoder,target_{0},reached_{0}"
-      ","
-      "deviation_{0}\n",
+      "utc,pass,index,approach,command_microsteps,position_microsteps,encoder,target_{0},"
+      "reached_{0},deviation_{0}\n",
       unit);
 }
 
