@@ -186,16 +186,18 @@ TEST_P(Jog, StandsWithinItsHoldAndTheRampWhateverIsGone) {
     if (what == 2) one.wire.unplug();
     if (what == 3) one.end_gateway();
     if (what == 4) one.time.freeze_for(5s);
+    tmcl::Duration seen_turning{};
     if (what == 4) {
       EXPECT_FALSE(one.turns()) << "its module alone stops it";
     } else {
-      one.come_to_rest();
+      seen_turning = one.come_to_rest();
     }
     const auto overrun = std::abs(one.position() - from);
     const auto [ramp, way] = one.braking();
     farthest = std::max(farthest, overrun / (one.speed() * tmcl::seconds(hold) + way));
     EXPECT_LE(overrun, one.speed() * tmcl::seconds(hold) + way * 1.01 + 2) << hold.count() << " ms";
-    if (what != 4) {
+    // A gateway ends when the reply that it waits for is overdue: the axis may stand before that.
+    if (seen_turning > tmcl::Duration{}) {
       EXPECT_LE(tmcl::seconds(one.time.now() - called), tmcl::seconds(hold) + 1.5 * ramp + 0.05);
     }
   }
