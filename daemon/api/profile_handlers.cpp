@@ -96,8 +96,7 @@ Result<const tmcl::Model*> model_of(const Simulate& params) {
 Result<std::uint8_t> parameter_named(const std::string& name, const tmcl::Model& model) {
   if (const auto number = as_number(name)) return *number;
   const auto table = axis_parameters(model);
-  const auto row = std::ranges::find(table, name, &tmcl::ParameterInfo::name);
-  if (row != table.end()) return row->number;
+  if (const auto* row = find_parameter(table, name)) return row->number;
   std::vector<std::string_view> names;
   for (const auto& one : table) names.push_back(one.name);
   return tl::unexpected(param_error<&Simulate::parameters>(

@@ -44,8 +44,7 @@ struct Start {
 /// The encoder of the motor, or else one beside it.
 Task<std::uint8_t> encoder_of(const GatewayAxis& axis) {
   for (const auto* name : {"encoder_position", "external_encoder_position"}) {
-    const auto row = std::ranges::find(axis.parameters(), name, &tmcl::ParameterInfo::name);
-    if (row != axis.parameters().end()) co_return row->number;
+    if (const auto* row = find_parameter(axis.parameters(), name)) co_return row->number;
   }
   co_return param_error<&axis::Resonance::axis>(
       "no_encoder",
