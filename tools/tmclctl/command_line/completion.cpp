@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/App.hpp>
 
+#include "grammar.hpp"
 #include "profile/generators.hpp"
 #include "profile/setup.hpp"
 #include "tmcl/command.hpp"
@@ -277,7 +278,7 @@ Completion Line::word_at_cursor(const std::string& word) const {
   if (words.empty()) return {};
   const auto* option = words[std::min(said_.size(), words.size() - 1)];
   if (said_.size() >= words.size() && option->get_items_expected_max() <= 1) return {};
-  const auto placeholder = option->get_name(true);
+  const auto placeholder = name_of_word(*option);
   if (placeholder == "REGISTER=VALUE") return registers_at_cursor(word);
   // The number behind the = cannot be known.
   if (placeholder.find('=') != placeholder.npos && word.find('=') != word.npos) return {};

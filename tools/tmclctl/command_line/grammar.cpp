@@ -21,10 +21,19 @@ void must_be_good(const Reading& reading, const std::string& names) {
   throw CLI::ValidationError(fmt::format("{}: {}", name, reading.error()));
 }
 
+/// Stands for '=' in names that CLI11 knows: from version 2.4 on it refuses '=' there.
+constexpr char equals_sign = '~';
+
+std::string for_library(std::string name) {
+  std::ranges::replace(name, '=', equals_sign);
+  return name;
+}
+
 CLI::Option& add_one(CLI::App& app, const std::string& name, const std::string& value,
                      const std::string& description, const Read& read) {
   const auto checked = [read, name](const std::string& text) { must_be_good(read(text), name); };
-  return *app.add_option_function<std::string>(name, checked, description)->type_name(value);
+  return *app.add_option_function<std::string>(for_library(name), checked, description)
+              ->type_name(value);
 }
 
 CLI::Option& add_many(CLI::App& app, const std::string& name, const std::string& value,
@@ -32,7 +41,7 @@ CLI::Option& add_many(CLI::App& app, const std::string& name, const std::string&
   const auto checked = [read, name](const std::vector<std::string>& texts) {
     for (const auto& text : texts) must_be_good(read(text), name);
   };
-  return *app.add_option_function<std::vector<std::string>>(name, checked, description)
+  return *app.add_option_function<std::vector<std::string>>(for_library(name), checked, description)
               ->type_name(value);
 }
 
@@ -41,6 +50,12 @@ bool is_outermost(const CLI::App& verb) {
 }
 
 }  // namespace
+
+std::string name_of_word(const CLI::Option& word) {
+  auto name = word.get_name(true);
+  std::ranges::replace(name, equals_sign, '=');
+  return name;
+}
 
 Read svg_file(std::string& into) {
   return [&into](const std::string& name) -> Reading {

@@ -171,5 +171,7 @@ void VerbForm<T>::command(std::vector<std::string>& into) {
 
 /// As it is typed: "profile simulate".
 std::string full_name(const CLI::App& verb);
+/// Of a word as it was named: "AXIS=POSITION". The library itself takes no '=' in a name.
+std::string name_of_word(const CLI::Option& word);
 
 }  // namespace tmclctl

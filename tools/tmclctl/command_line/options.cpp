@@ -119,7 +119,15 @@ class Parser {
   std::vector<std::string> help_for_;
 };
 
+/// Help has words by their own names.
+class HelpForm final : public CLI::Formatter {
+  std::string make_option_name(const CLI::Option* option, bool is_word) const override {
+    return is_word ? name_of_word(*option) : CLI::Formatter::make_option_name(option, is_word);
+  }
+};
+
 Parser::Parser() {
+  app_.formatter(std::make_shared<HelpForm>());
   app_.require_subcommand(1);
   app_.set_version_flag("--version", "tmclctl " TMCL_VERSION);
   app_.footer(program_help);
