@@ -10,6 +10,8 @@ namespace {
 constexpr int steps_near = 20;
 constexpr int steps_far = 200;
 constexpr double path_step_s = 0.005;
+// Distances that differ by less are the same, in units.
+constexpr double same_distance = 1e-9;
 
 PlaceOnPath nearest_within(int steps, const Course& course, double time, const AxisValues& place) {
   PlaceOnPath nearest{std::numeric_limits<double>::infinity(), 0};
@@ -25,7 +27,12 @@ PlaceOnPath nearest_within(int steps, const Course& course, double time, const A
     const double part = squares > 0 ? std::clamp(along / squares, 0.0, 1.0) : 0;
     for (std::size_t axis = 0; axis < course.axes(); ++axis)
       off = std::hypot(off, place[axis] - std::lerp(begin[axis], end[axis], part));
-    if (off < nearest.off) nearest = {off, -(step + part) * path_step_s};
+    // Where the path stands, all times are as near: the one that was planned is meant.
+    const double lag = -(step + part) * path_step_s;
+    const bool sooner = std::abs(lag) < std::abs(nearest.lag_s);
+    if (off < nearest.off - same_distance || (off < nearest.off + same_distance && sooner))
+      nearest.lag_s = lag;
+    nearest.off = std::min(nearest.off, off);
     begin = end;
   }
   return nearest;
