@@ -1,5 +1,7 @@
 #include "api/course_view.hpp"
 
+#include "tmcl/plan/shaping_report.hpp"
+
 namespace tmcld {
 
 namespace path = tmcl::api::path;
@@ -25,6 +27,23 @@ path::Course view_of(const Course& course, const std::vector<std::string>& names
     view.slowest_corners.push_back(
         {corner.line, corner.time, corner.speed, to_list(corner.position, course.axes())});
   }
+  return view;
+}
+
+std::optional<path::Shaping> view_of(const Course& course,
+                                     const std::optional<tmcl::plan::Shaping>& shaping,
+                                     const std::vector<std::string>& names) {
+  if (!shaping) return std::nullopt;
+  const auto report = tmcl::plan::report_on_shaping(course, shaping->resonance);
+  path::Shaping view{std::string(name_of(shaping->shaper)),
+                     shaping->resonance.frequency_hz,
+                     shaping->resonance.damping,
+                     report.longer_s,
+                     report.farthest,
+                     report.at_s,
+                     {}};
+  for (std::size_t axis = 0; axis < course.axes(); ++axis)
+    view.axes.push_back({names[axis], report.swing[axis], report.unshaped[axis]});
   return view;
 }
 

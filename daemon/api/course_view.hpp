@@ -1,6 +1,7 @@
 /// A planned path as clients see it.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,10 @@ std::vector<double> to_list(const tmcl::plan::AxisValues& values, std::size_t ax
 /// `axes` are those of the file, in the order of the course.
 tmcl::api::path::Course view_of(const tmcl::plan::Course& course,
                                 const std::vector<std::string>& axes);
+/// What the shaping of a course makes of it; nothing without one.
+std::optional<tmcl::api::path::Shaping> view_of(const tmcl::plan::Course& course,
+                                                const std::optional<tmcl::plan::Shaping>& shaping,
+                                                const std::vector<std::string>& names);
 /// Where the axes are at so many times and at the end: enough to draw it.
 tmcl::api::path::Curve curve_of(const tmcl::plan::Course& course, int points);
 

@@ -194,7 +194,8 @@ using Look = std::function<void(const plan::Course&, const std::vector<std::stri
 
 /// `with_namesakes`: axes of the file that are not named are those of the same name.
 Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
-  const auto request = co_await must(request_of(params));
+  auto request = co_await must(request_of(params));
+  request.shaping = co_await must(shaping_of(params));
   // Before the text is read, which may take a while.
   if (!with_namesakes && !params.axes) {
     co_return param_error("bad_argument", "axes",
@@ -228,7 +229,8 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
     const auto letters = source.path.axes;
     auto course = from_where_axes_stand(std::move(source), *text, known, request)
                       .and_then([&](const auto& from_there) {
-                        return course_of(from_there, limits_of(known), feed, request.tolerance);
+                        return course_of(from_there, limits_of(known), feed, request.tolerance,
+                                         request.shaping);
                       });
     if (course) look(*course, letters, cast, request);
     return course;
@@ -392,6 +394,7 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
                   const Cast& cast, const plan::PathRequest& request) {
     result->expected = expected_of(course, cast, request);
     result->course = view_of(course, axes);
+    result->shaping = view_of(course, request.shaping, axes);
     if (points > 0) result->curve = curve_of(course, points);
   };
   auto planned = co_await must(plan_for(call, params, true, std::move(look)));

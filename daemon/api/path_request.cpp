@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "api/quantity.hpp"
+#include "api/resonance_request.hpp"
 
 namespace tmcld {
 namespace {
@@ -86,6 +87,25 @@ Result<plan::PathRequest> request_of(const OfPath& params) {
   if (params.lenient.value_or(false)) request.unknowns = plan::path_file::Unknowns::skipped;
   if (params.period_ms) request.period = std::chrono::milliseconds(*params.period_ms);
   return request;
+}
+
+Task<std::optional<plan::Shaping>> shaping_of(const OfPath& params) {
+  if (!params.shaper) co_return std::nullopt;
+  const auto shaper = plan::shaper_named(*params.shaper);
+  if (!shaper)
+    co_return param_error<&OfPath::shaper>("bad_argument", "'shaper' must be 'zv', 'zvd' or 'ei'");
+  const auto resonance = co_await must(resonance_of(params.resonance_hz, params.damping));
+  if (!resonance) {
+    co_return param_error<&OfPath::resonance_hz>(
+        "bad_argument", "'shaper' needs 'resonance_hz'",
+        "'tmclctl resonance AXIS' measures it where there is an encoder");
+  }
+  if (params.mode.value_or("") == name_of(plan::StreamMode::position)) {
+    co_return param_error<&OfPath::mode>("bad_argument", "position mode cannot shape a path",
+                                         "use velocity mode, or segments");
+  }
+  const plan::Shaping shaping{*shaper, *resonance};
+  co_return shaping;
 }
 
 Result<std::optional<plan::PathFormat>> format_in(const OfPath& params) {

@@ -9,6 +9,7 @@
 
 #include "api/lookup.hpp"
 #include "api/number_within.hpp"
+#include "api/resonance_request.hpp"
 #include "api/suggest.hpp"
 #include "tmcl/plan/profile.hpp"
 #include "tmcl/plan/ramp_comparison.hpp"
@@ -137,13 +138,10 @@ Result<plan::AxisTwin> twin_of(const tmcl::Model& model, const std::vector<Setti
 }
 
 Task<std::optional<plan::LoadWish>> load_of(const Simulate& params) {
-  if (!params.resonance_hz) co_return std::nullopt;
+  const auto resonance = co_await must(resonance_of(params.resonance_hz, params.damping));
+  if (!resonance) co_return std::nullopt;
   plan::LoadWish load;
-  load.resonance.frequency_hz = co_await must(
-      number_within(api::name_of<&Simulate::resonance_hz>(), *params.resonance_hz, 0.01, 1e5));
-  load.resonance.damping =
-      co_await must(number_within(api::name_of<&Simulate::damping>(),
-                                  params.damping.value_or(plan::usual_load_damping), 0, 0.999));
+  load.resonance = *resonance;
   const double distance = std::abs(static_cast<double>(params.distance_microsteps));
   load.tolerance = params.tolerance_microsteps
                        ? std::abs(static_cast<double>(*params.tolerance_microsteps))

@@ -10,6 +10,7 @@
 #include "api/number_within.hpp"
 #include "api/quantity.hpp"
 #include "api/ramp_view.hpp"
+#include "api/resonance_request.hpp"
 #include "async/rest.hpp"
 #include "tmcl/module_traits.hpp"
 #include "tmcl/parameter_number.hpp"
@@ -225,13 +226,10 @@ using api::ramp::Compare;
 /// What swings behind the motor; nothing if no resonance was said.
 Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& params,
                                             double distance) {
-  if (!params.resonance_hz) co_return std::nullopt;
+  const auto resonance = co_await must(resonance_of(params.resonance_hz, params.damping));
+  if (!resonance) co_return std::nullopt;
   plan::LoadWish load;
-  load.resonance.frequency_hz = co_await must(
-      number_within(api::name_of<&Compare::resonance_hz>(), *params.resonance_hz, 0.01, 1e5));
-  load.resonance.damping =
-      co_await must(number_within(api::name_of<&Compare::damping>(),
-                                  params.damping.value_or(plan::usual_load_damping), 0, 0.999));
+  load.resonance = *resonance;
   load.tolerance = plan::usual_load_tolerance * distance;
   if (params.tolerance || params.tolerance_microsteps) {
     const auto said = co_await must(length_of(

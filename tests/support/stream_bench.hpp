@@ -51,6 +51,7 @@ class StreamBench {
   std::function<std::optional<tmcl::Result<std::int32_t>>(const DriveCommand&)> instead =
       [](const auto&) { return std::nullopt; };
   double most_deviation = 1;
+  std::optional<Shaping> shaping;
   std::vector<DriveCommand> commands;
 
   /// In mm and seconds.
@@ -139,7 +140,7 @@ class StreamBench {
 
  private:
   void plan(const path_file::Path& path) {
-    auto course = Course::of(path, limits_);
+    auto course = Course::of(path, limits_, std::numeric_limits<double>::infinity(), shaping);
     EXPECT_TRUE(course) << course.error();
     course_ = std::move(*course);
   }

@@ -45,6 +45,38 @@ TEST_F(CtlPath, CheckTellsWhatAPathIs) {
   EXPECT_EQ(document.at("slowest_corners").at(0).at("speed").to_number<double>(), 0);
 }
 
+TEST_F(CtlPath, CheckSaysWhatAShaperCostsAndGains) {
+  const auto part = file("G1 X10 F1200\nG1 Y10\n");
+  const std::vector<std::string> shaped{"path", "check",       part,  "--shape",
+                                        "zv",   "--resonance", "12Hz"};
+  EXPECT_EQ(run(shaped), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("shaped by zv for 12 Hz: 0.0417 s longer, and at most "));
+  EXPECT_THAT(out, HasSubstr("the load of Y swings by "));
+  EXPECT_THAT(err, HasSubstr("warning: shaped, the path leaves its corners by more than the "
+                             "tolerance of 0.05: a lower --acceleration, "));
+  const auto document = json(shaped);
+  EXPECT_EQ(document.at("shaping").at("shaper"), "zv");
+  EXPECT_EQ(document.at("warnings").as_array().size(), 1U);
+  // A dwell is where it is.
+  const auto dwells = file("G1 X10 F1200\nG4 P0.1\nG1 Y10\n");
+  EXPECT_EQ(run(shaped), ExitCode::done);
+  EXPECT_EQ(err, "") << dwells;
+}
+
+TEST_F(CtlPath, AShaperNeedsAResonance) {
+  const auto part = file("G1 X10 F1200\n");
+  const auto objection = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"path", "check", part});
+    EXPECT_EQ(run(more), ExitCode::usage);
+    return err;
+  };
+  EXPECT_THAT(objection({"--shape", "zv"}), HasSubstr("--shape needs --resonance"));
+  EXPECT_THAT(objection({"--resonance", "12"}), HasSubstr("--resonance needs --shape"));
+  EXPECT_THAT(objection({"--damping", "0"}), HasSubstr("--damping needs --shape"));
+  EXPECT_THAT(objection({"--shape", "zvx", "--resonance", "12"}), HasSubstr("none of zv, zvd"));
+  EXPECT_THAT(objection({"--shape", "zv", "--resonance", "12", "--legs"}), HasSubstr("exclude"));
+}
+
 TEST_F(CtlPath, WhatIsNotCarriedOutIsAWarning) {
   const auto part = file("T1 M6 S9 M3\nG1 X10 F1200\nX20 S5\n");
   EXPECT_EQ(run({"path", "check", part}), ExitCode::done) << err;

@@ -109,6 +109,43 @@ TEST_F(DaemonPathPlan, APathThatWasNotPlannedIsWarnedOf) {
               HasSubstr("mode velocity is expected to leave the path by"));
 }
 
+// A whole swing of 10 Hz longer; its corner is cut, which the rehearsal counts.
+TEST_F(DaemonPathPlan, AShaperLetsLoadsHardlySwing) {
+  const auto plain = plan(corner);
+  EXPECT_TRUE(plain.at("shaping").is_null());
+  const auto shaped = plan(corner, {{"shaper", "zvd"}, {"resonance_hz", 10}, {"damping", 0}});
+  const auto& shaping = shaped.at("shaping").as_object();
+  EXPECT_NEAR(shaping.at("longer_s").to_number<double>(), 0.1, 1e-9);
+  EXPECT_NEAR(shaped.at("course").at("duration_s").to_number<double>(),
+              plain.at("course").at("duration_s").to_number<double>() + 0.1, 1e-9);
+  const auto& x = shaping.at("axes").at(0);
+  EXPECT_LT(x.at("swing").to_number<double>(), 0.01 * x.at("unshaped_swing").to_number<double>());
+  const double off = shaping.at("off_path").to_number<double>();
+  EXPECT_GT(off, 0.01);
+  EXPECT_GT(shaped.at("expected").at(0).at("off_path").to_number<double>(), 0.9 * off);
+  const auto ended = bench.call("path.run", run(shaped));
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(mm("x"), 9);
+  EXPECT_GT(ended->at("off_path").to_number<double>(), 0.8 * off);
+}
+
+TEST_F(DaemonPathPlan, AShaperThatCannotBeIsRefused) {
+  const auto refused = [&](json::object more) {
+    more["text"] = corner;
+    const auto error = bench.call("path.plan", std::move(more)).error();
+    return error.name + ": " + error.message;
+  };
+  EXPECT_EQ(refused({{"shaper", "zvdd"}, {"resonance_hz", 10}}),
+            "bad_argument: 'shaper' must be 'zv', 'zvd' or 'ei'");
+  EXPECT_EQ(refused({{"shaper", "zv"}}), "bad_argument: 'shaper' needs 'resonance_hz'");
+  EXPECT_THAT(refused({{"shaper", "zv"}, {"resonance_hz", 0}}), HasSubstr("out_of_range"));
+  EXPECT_THAT(refused({{"shaper", "zv"}, {"resonance_hz", 9}, {"damping", 1}}),
+              HasSubstr("out_of_range"));
+  EXPECT_EQ(refused({{"shaper", "zv"}, {"resonance_hz", 9}, {"mode", "position"}}),
+            "bad_argument: position mode cannot shape a path");
+  EXPECT_FALSE(has_moved());
+}
+
 TEST_F(DaemonPathPlan, WhatWasExpectedOfAPlanIsToldOnce) {
   const auto ended = bench.call("path.run", run(plan(corner, {})));
   ASSERT_TRUE(ended) << ended.error().message;

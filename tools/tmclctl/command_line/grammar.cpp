@@ -9,6 +9,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "tmcl/plan/resonant_load.hpp"
 #include "tmcl/quantity.hpp"
 
 namespace tmclctl {
@@ -104,6 +105,15 @@ Reading read_time(const std::string& text, double least_s, double greatest_s, do
     return tl::unexpected(fmt::format("{} is not within {} s and {} s", text, least_s, greatest_s));
   seconds = said_s;
   return {};
+}
+
+Read resonance(std::optional<double>& hertz) {
+  return [&hertz](std::string text) {
+    if (text.ends_with("Hz")) text.resize(text.size() - 2);
+    return parse_number<double>(text, tmcl::plan::least_resonance_hz,
+                                tmcl::plan::greatest_resonance_hz)
+        .map([&](double value) { hertz = value; });
+  };
 }
 
 Read milliseconds(std::chrono::milliseconds& into) {

@@ -230,6 +230,12 @@ struct RunMint {
   std::vector<std::string> axes;  ///< NUMBER=AXIS
   bool counts_encoder = false;
 };
+/// Input shaping; without a shaper none.
+struct ShapedPath {
+  std::optional<tmcl::plan::Shaper> shaper;
+  std::optional<double> resonance_hz;
+  std::optional<double> damping;
+};
 /// A path file, planned without axes. Limits are in its units.
 struct CheckPath {
   std::string file;
@@ -246,6 +252,7 @@ struct CheckPath {
   std::string csv;                        ///< Of all axes over time; empty: none.
   double csv_step = 0.001;                ///< Seconds between its rows.
   bool lenient = false;
+  ShapedPath shaping;
 };
 /// And run on axes.
 struct RunPath {
@@ -259,6 +266,7 @@ struct RunPath {
   bool dry_run = false;
   std::string svg;  ///< Empty: none.
   bool lenient = false;
+  ShapedPath shaping;
 };
 /// The text of a stand-alone program into a program file.
 struct Assemble {

@@ -46,6 +46,7 @@ double DrawnPath::from_part(const Part& part, const AxisValues& position) const 
 }
 
 void DrawnPath::find_part(double time) {
+  time -= tmcl::plan::mean_delay(course_.impulses());
   if (!course_.has_legs()) {
     while (part_ + 1 < parts_.size() && time >= parts_[part_].end) ++part_;
     return;

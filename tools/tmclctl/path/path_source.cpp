@@ -137,6 +137,18 @@ void print(const std::string& file, const Course& course, Output& output) {
   corners.print(output);
 }
 
+void print(const tmcl::api::path::Shaping& shaping, Output& output) {
+  const auto text = [](double value) { return tmcl::plain_number(value, 3); };
+  output.out << fmt::format(
+      "shaped by {} for {} Hz: {} s longer, and at most {} off the path, at {} s\n", shaping.shaper,
+      text(shaping.resonance_hz), text(shaping.longer_s), text(shaping.off_path),
+      tmcl::plain_number(shaping.off_path_at_s, 4));
+  for (const auto& axis : shaping.axes) {
+    output.out << fmt::format("  the load of {} swings by {} after it, without the shaper by {}\n",
+                              axis.axis, text(axis.swing), text(axis.unshaped_swing));
+  }
+}
+
 Result<void> draw(const std::string& svg_path, const std::string& file, const Course& course,
                   const Curve& curve, const Drawn& drawn) {
   OutputFile svg;

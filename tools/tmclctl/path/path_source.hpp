@@ -41,6 +41,8 @@ Report part_done(const Error& error) {
 
 /// How long a path is and takes, where it goes.
 void print(const std::string& file, const tmcl::api::path::Course& course, Output& output);
+/// What its shaper makes of it.
+void print(const tmcl::api::path::Shaping& shaping, Output& output);
 /// What is drawn of the axes over time.
 struct Drawn {
   plot::Shown shown{};               ///< Empty: their positions, and only in a file.

@@ -51,6 +51,9 @@ api::path::Plan params_of(const verb::RunPath& verb, const std::string& text) {
   params.corner_jump = amount_of(verb.corner_jump);
   params.per_turn = verb.per_turn;
   params.deviation = verb.deviation;
+  if (verb.shaping.shaper) params.shaper = name_of(*verb.shaping.shaper);
+  params.resonance_hz = verb.shaping.resonance_hz;
+  params.damping = verb.shaping.damping;
   if (verb.lenient) params.lenient = true;
   if (!verb.svg.empty()) params.points = api::path::most_curve_points;
   return params;
@@ -202,11 +205,14 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   if (context.output.json) {
     auto document = api::to_json(plan->course);
     document["file"] = verb.file;
-    document["expected"] = api::to_json(*plan).at("expected");
+    const auto whole = api::to_json(*plan);
+    document["expected"] = whole.at("expected");
+    document["shaping"] = whole.at("shaping");
     document["warnings"] = boost::json::array(plan->warnings.begin(), plan->warnings.end());
     print_json(document, context.output);
   } else {
     path::print(verb.file, plan->course, context.output);
+    if (plan->shaping) path::print(*plan->shaping, context.output);
     print(plan->expected, context.output);
   }
   return ExitCode::done;
@@ -228,6 +234,8 @@ and --feed are in the units of the file, or have a unit with them: 20mm/s, 500mm
                     there, only where its speed changes; no table with times
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
                     with times
+--shape lets loads that swing hardly swing after the path ('tmclctl path check --help' says how); --dry-run
+says what that costs. Not in position mode.
 Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
@@ -281,6 +289,8 @@ void add_path_run(Grammar& grammar, const Form& group) {
           said.period = std::chrono::milliseconds(value);
         });
       });
+  add_shaping(form);
+  form.object([](const verb::RunPath& verb, bool) { return objection_to(verb.shaping); });
   form.flag("--dry-run", "Plan and check everything, say what each mode will keep; move nothing",
             form->dry_run);
 }

@@ -19,4 +19,25 @@ void add_path_file(VerbForm<T>& form) {
   form.flag("--lenient", "Skip words of G-code that are not known, with warnings", form->lenient);
 }
 
+template <class T>
+void add_shaping(VerbForm<T>& form) {
+  auto& said = form->shaping;
+  form.option("--shape", "SHAPER", "zv, zvd or ei: let loads hardly swing after the path",
+              [&said](const std::string& text) -> Reading {
+                said.shaper = tmcl::plan::shaper_named(text);
+                if (said.shaper) return {};
+                return tl::unexpected("'" + text + "' is none of zv, zvd and ei");
+              });
+  form.option("--resonance", "HZ", "With --shape: how fast they swing",
+              resonance(said.resonance_hz));
+  form.option("--damping", "D", "Of those swings: 0 to less than 1 (default 0.05)",
+              number(said.damping, 0, tmcl::plan::greatest_load_damping));
+}
+/// Empty if its words go together.
+inline const char* objection_to(const verb::ShapedPath& said) {
+  if (said.shaper && !said.resonance_hz) return "--shape needs --resonance";
+  if (said.resonance_hz && !said.shaper) return "--resonance needs --shape";
+  return said.damping && !said.shaper ? "--damping needs --shape" : "";
+}
+
 }  // namespace tmclctl

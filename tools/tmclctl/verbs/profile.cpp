@@ -281,7 +281,7 @@ Form add_profile(Grammar& grammar) {
         return {};
       });
   simulate.option("--resonance", "HZ", "Follow a load that swings so behind the motor",
-                  number(simulate->resonance_hz, 0.01, 1e5));
+                  resonance(simulate->resonance_hz));
   simulate.option("--damping", "D", "Of its swings: 0 to less than 1 (default 0.05)",
                   number(simulate->damping, 0, 0.999));
   simulate.option("--tolerance", "UNITS",

@@ -522,13 +522,6 @@ Result<ExitCode> run(const verb::Ramp& verb, Context& context) {
   return ExitCode::done;
 }
 
-Reading read_resonance(std::string text, std::optional<double>& into) {
-  constexpr double least = 0.01;
-  constexpr double greatest = 1e5;
-  if (text.ends_with("Hz")) text.resize(text.size() - 2);
-  return parse_number<double>(text, least, greatest).map([&](double hertz) { into = hertz; });
-}
-
 Reading read_move_time(const std::string& text, std::optional<double>& seconds) {
   constexpr double least_s = 1e-6;
   constexpr double greatest_s = 86'400;
@@ -684,9 +677,8 @@ void add_ramp(Grammar& grammar) {
               "With --compare, --time and --fastest: of the move, such as 10mm",
               text(ramp->distance));
   add_search(ramp);
-  ramp.option(
-      "--resonance", "HZ", "With --compare: follow a load that swings so behind the motor",
-      [&typed](const std::string& text) { return read_resonance(text, typed.resonance_hz); });
+  ramp.option("--resonance", "HZ", "With --compare: follow a load that swings so behind the motor",
+              resonance(typed.resonance_hz));
   ramp.option("--damping", "D", "Of its swings: 0 to less than 1 (default 0.05)",
               number(ramp->damping, 0, 0.999));
   ramp.option("--tolerance", "DISTANCE",

@@ -150,6 +150,12 @@ struct OfPath {
   TMCL_FIELD(std::optional<std::int32_t>, period_ms,
              "in velocity mode, and by segments, no updates more often than this; 5 if absent",
              {5, 1000});
+  TMCL_FIELD(
+      std::optional<std::string>, shaper,
+      "zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing "
+      "after it; takes up to a swing longer, and cuts corners; not in position mode");
+  TMCL_FIELD(std::optional<double>, resonance_hz, "for shaper: as axis.resonance measures it");
+  TMCL_FIELD(std::optional<double>, damping, "of those swings, 0 to less than 1; 0.05 if absent");
   TMCL_FIELD(std::optional<bool>, lenient,
              "whether words of G-code that are not known are skipped, with warnings; refused if "
              "absent");
@@ -182,11 +188,29 @@ struct Curve {
   TMCL_FIELD(std::vector<double>, times_s, "of its points");
   TMCL_FIELD(std::vector<std::vector<double>>, positions, "of each axis at each of them");
 };
+struct ShapedAxis {
+  TMCL_STRUCT(ShapedAxis);
+  TMCL_FIELD(std::string, axis, "of the file");
+  TMCL_FIELD(double, swing, "of its load after the path, to either side");
+  TMCL_FIELD(double, unshaped_swing, "the same without the shaper");
+};
+/// In the units of the file.
+struct Shaping {
+  TMCL_STRUCT(Shaping);
+  TMCL_FIELD(std::string, shaper, "zv, zvd or ei");
+  TMCL_FIELD(double, resonance_hz, "which it is for");
+  TMCL_FIELD(double, damping, "of those swings");
+  TMCL_FIELD(double, longer_s, "than the path takes without it");
+  TMCL_FIELD(double, off_path, "how far it leaves the path at most: it cuts corners");
+  TMCL_FIELD(double, off_path_at_s, "when that is, in seconds of the course");
+  TMCL_FIELD(std::vector<ShapedAxis>, axes, "what it leaves of their swings");
+};
 struct Planned {
   TMCL_STRUCT(Planned);
   TMCL_FIELD(std::int32_t, plan, "by which path.run runs it, once; the daemon keeps the last one");
   TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
   TMCL_FIELD(Course, course, "where it leads, and how fast");
+  TMCL_FIELD(std::optional<Shaping>, shaping, "what the shaper makes of it; null without one");
   TMCL_FIELD(std::optional<Curve>, curve, "to draw it; null unless points are asked for");
   TMCL_FIELD(std::vector<Expected>, expected,
              "what is expected in each mode, the one that was asked for first; empty where the "

@@ -4,11 +4,15 @@
 /// passed as it says: between its rows each axis follows a cubic that meets the rows with a common
 /// velocity, stands at both ends, and never leaves the range between two rows (Fritsch and Carlson,
 /// "Monotone piecewise cubic interpolation", 1980).
+///
+/// A shaped course (shaping.hpp) is the mean of that at several times: no faster and no steeper,
+/// but later, and it cuts corners.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -18,6 +22,7 @@
 
 #include "tmcl/plan/path.hpp"
 #include "tmcl/plan/path_file.hpp"
+#include "tmcl/plan/shaping.hpp"
 
 namespace tmcl::plan {
 
@@ -59,10 +64,10 @@ struct Turn {
 class Course {
  public:
   /// `path` has no arcs. No line is passed faster than `feed`, by the axes that make its length.
-  /// Errors: a sentence that names the line.
-  static tl::expected<Course, std::string> of(
-      const path_file::Path& path, const PathLimits& limits,
-      double feed = std::numeric_limits<double>::infinity());
+  /// Where the path dwells, a shaped course stands as long. Errors: a sentence that names the line.
+  static tl::expected<Course, std::string> of(const path_file::Path& path, const PathLimits& limits,
+                                              double feed = std::numeric_limits<double>::infinity(),
+                                              const std::optional<Shaping>& shaping = std::nullopt);
 
   std::size_t axes() const { return axes_; }
   double duration() const;
@@ -73,6 +78,10 @@ class Course {
   /// Before 0 the start, after the duration the end; both at rest.
   PathState at(double t) const;
   PathMotion motion_at(double t) const;
+  /// The same without its shaping, when that comes to about the same place.
+  PathState unshaped_at(double t) const;
+  /// None if it is not shaped.
+  const std::vector<Impulse>& impulses() const { return impulses_; }
   /// The greatest magnitude of an axis' velocity.
   double top_speed(std::size_t axis) const { return top_speed_[axis]; }
   AxisValues least() const { return least_; }
@@ -83,6 +92,7 @@ class Course {
   /// Of a table with times there are none.
   bool has_legs() const { return !timed_; }
   std::size_t legs() const { return legs_.size(); }
+  /// Without the shaping.
   CourseLeg leg(std::size_t index) const;
   /// The slowest corners between two legs, at most so many, ascending by speed.
   std::vector<Corner> slowest_corners(std::size_t most) const;
@@ -109,10 +119,17 @@ class Course {
     double stretch = 1;  // the way of all axes, in ways of those that make the path's length
   };
   class Maker;
+  class Shaped;
 
   static double duration_of(const Piece& piece);
   static PathMotion motion_at(const Timetable& rows, double t);
   const Piece& piece_at(double t) const;
+  double plain_duration() const;
+  PathState plain_at(double t) const;
+  PathMotion plain_motion_at(double t) const;
+  /// The times at which a speed may bend, ascending; each once or more.
+  std::vector<double> plain_bends() const;
+  void shape(const Shaping& shaping);
 
   std::size_t axes_ = 0;
   bool timed_ = false;
@@ -123,6 +140,7 @@ class Course {
   std::array<std::vector<Turn>, most_path_axes> turns_;
   std::vector<Piece> pieces_;
   std::vector<LegPlace> legs_;
+  std::vector<Impulse> impulses_;
 };
 
 }  // namespace tmcl::plan

@@ -83,6 +83,7 @@ struct PathRequest {
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
   path_file::Unknowns unknowns = path_file::Unknowns::refused;
+  std::optional<Shaping> shaping{};
 };
 StreamOptions options_of(const PathRequest& request);
 
@@ -143,7 +144,7 @@ PathResult<double> feed_of(const std::vector<PathAxis>& axes);
 /// For axes that can do what `limits` says; `limits` without a tolerance of corners. `feed` may be
 /// infinite.
 PathResult<Course> course_of(const PathSource& source, PathLimits limits, double feed,
-                             double tolerance);
+                             double tolerance, const std::optional<Shaping>& shaping = {});
 /// Whether a point is where the axes cannot or may not go.
 std::optional<PathObjection> objection_to_reach(const Course& course,
                                                 const std::vector<PathAxis>& axes);

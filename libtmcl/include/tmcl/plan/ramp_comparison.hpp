@@ -47,7 +47,6 @@ struct LoadWish {
   Resonance resonance;
   double tolerance = 0;  ///< Within which the load is to stand, in microsteps.
 };
-constexpr double usual_load_damping = 0.05;
 /// What part of a move its load may swing by, unless something else is said.
 constexpr double usual_load_tolerance = 1e-3;
 

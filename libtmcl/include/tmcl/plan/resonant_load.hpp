@@ -14,6 +14,11 @@ struct Resonance {
   double frequency_hz = 0;  ///< Without damping; greater than 0.
   double damping = 0;       ///< 0 to less than 1, where nothing would swing.
 };
+// What users can say of one.
+constexpr double least_resonance_hz = 0.01;
+constexpr double greatest_resonance_hz = 1e5;
+constexpr double greatest_load_damping = 0.999;
+constexpr double usual_load_damping = 0.05;
 
 class ResonantLoad {
  public:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tmcl::plan {
 namespace {
@@ -20,17 +21,32 @@ bool CourseBends::jumps_at(double time) const {
   return false;
 }
 
+CourseBends::CourseBends(const Course& course, double joint_s)
+    : course_(&course),
+      joint_s_(joint_s),
+      parts_(std::max<std::size_t>(course.impulses().size(), 1)) {
+  for (std::size_t i = 0; i < course.impulses().size(); ++i)
+    parts_[i].delay = course.impulses()[i].delay;
+}
+
 double CourseBends::not_before(double time) {
-  for (; leg_ < course_->legs(); ++leg_) {
-    const auto leg = course_->leg(leg_);
+  double first = course_->duration();
+  for (auto& part : parts_)
+    first = std::min(first, part.delay + not_before(time - part.delay, part));
+  return first;
+}
+
+double CourseBends::not_before(double time, Part& part) const {
+  for (; part.leg < course_->legs(); ++part.leg) {
+    const auto leg = course_->leg(part.leg);
     if (time <= leg.begin) return leg.begin;
     const double joint = leg.begin + joint_s_;
-    if (time <= joint && leg.up > 2 * joint_s_ && jumps_at(leg.begin)) return joint;
+    if (time <= joint && leg.up > 2 * joint_s_ && jumps_at(leg.begin + part.delay)) return joint;
     const double slows_down = leg.end - leg.down;
     if (time <= slows_down && leg.down > 0) return slows_down;
     if (time <= leg.end) return leg.end;
   }
-  return course_->duration();
+  return std::numeric_limits<double>::infinity();
 }
 
 SegmentSpan CourseSegments::from(TimePoint begin) {

@@ -17,7 +17,7 @@ inline constexpr double shortest_segment_ramp = 0.5;
 class CourseBends {
  public:
   /// After a joint at which speeds jump and then grow, there is a bend so much later.
-  CourseBends(const Course& course, double joint_s) : course_(&course), joint_s_(joint_s) {}
+  CourseBends(const Course& course, double joint_s);
   /// The first one that is not before `time`; after the last one, the end. No time may be before
   /// that of the call before.
   double not_before(double time);
@@ -25,9 +25,16 @@ class CourseBends {
   bool jumps_at(double time) const;
 
  private:
+  /// Of a shaped course one for each of its impulses; otherwise one that is not delayed.
+  struct Part {
+    double delay = 0;
+    std::size_t leg = 0;
+  };
+  double not_before(double time, Part& part) const;
+
   const Course* course_;
   double joint_s_;
-  std::size_t leg_ = 0;
+  std::vector<Part> parts_;
 };
 
 /// For how long the axes keep what they are told, and where they are to be then.

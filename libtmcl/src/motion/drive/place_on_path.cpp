@@ -15,9 +15,9 @@ constexpr double same_distance = 1e-9;
 
 PlaceOnPath nearest_within(int steps, const Course& course, double time, const AxisValues& place) {
   PlaceOnPath nearest{std::numeric_limits<double>::infinity(), 0};
-  auto begin = course.at(time - steps * path_step_s).position;
+  auto begin = course.unshaped_at(time - steps * path_step_s).position;
   for (int step = -steps; step < steps; ++step) {
-    const auto end = course.at(time + (step + 1) * path_step_s).position;
+    const auto end = course.unshaped_at(time + (step + 1) * path_step_s).position;
     double squares = 0, along = 0, off = 0;
     for (std::size_t axis = 0; axis < course.axes(); ++axis) {
       const double way = end[axis] - begin[axis];

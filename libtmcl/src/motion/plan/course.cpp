@@ -30,8 +30,8 @@ double slope_between(double before, double after, double time_before, double tim
 /// Puts a course together, element by element.
 class Course::Maker {
  public:
-  Maker(const path_file::Path& path, const PathLimits& limits, double feed)
-      : path_(path), limits_(limits), feed_(feed), here_(path.start) {
+  Maker(const path_file::Path& path, const PathLimits& limits, double feed, double longer_rests)
+      : path_(path), limits_(limits), feed_(feed), longer_rests_(longer_rests), here_(path.start) {
     limits_.axes = path.axes.size();
     course_.axes_ = limits_.axes;
     course_.least_ = course_.greatest_ = here_;
@@ -76,7 +76,7 @@ class Course::Maker {
 
   void rest(const Dwell& dwell) {
     close();
-    add({course_.duration(), Rest{here_, dwell.duration}});
+    add({course_.duration(), Rest{here_, dwell.duration + longer_rests_}});
   }
 
   // What was collected since the last rest becomes a piece.
@@ -170,6 +170,7 @@ class Course::Maker {
   const path_file::Path& path_;
   PathLimits limits_;
   double feed_;
+  double longer_rests_;  // what comes before may end so much later
   AxisValues here_;
   AxisValues piece_start_ = here_;
   AxisValues corner_ = here_;
@@ -183,8 +184,11 @@ class Course::Maker {
 };
 
 tl::expected<Course, std::string> Course::of(const path_file::Path& path, const PathLimits& limits,
-                                             double feed) {
-  return Maker(path, limits, feed).make();
+                                             double feed, const std::optional<Shaping>& shaping) {
+  const double longer = shaping ? longest_delay(impulses_of(*shaping)) : 0;
+  auto course = Maker(path, limits, feed, longer).make();
+  if (course && shaping) course->shape(*shaping);
+  return course;
 }
 
 double Course::duration_of(const Piece& piece) {
@@ -193,9 +197,11 @@ double Course::duration_of(const Piece& piece) {
   return std::get<Timetable>(piece.what).back().time;
 }
 
-double Course::duration() const {
+double Course::plain_duration() const {
   return pieces_.empty() ? 0 : pieces_.back().begin + duration_of(pieces_.back());
 }
+
+double Course::duration() const { return plain_duration() + longest_delay(impulses_); }
 
 std::size_t Course::bytes() const {
   auto bytes =
@@ -238,7 +244,7 @@ const Course::Piece& Course::piece_at(double t) const {
   return *std::prev(later);
 }
 
-PathState Course::at(double t) const {
+PathState Course::plain_at(double t) const {
   if (pieces_.empty()) return {least_, {}};
   const auto& piece = piece_at(t);
   const double after = std::max(t, 0.0) - piece.begin;
@@ -247,7 +253,7 @@ PathState Course::at(double t) const {
   return motion_at(std::get<Timetable>(piece.what), after);
 }
 
-PathMotion Course::motion_at(double t) const {
+PathMotion Course::plain_motion_at(double t) const {
   if (pieces_.empty()) return {{least_, {}}, {}, {}};
   const auto& piece = piece_at(t);
   const double after = t - piece.begin;
@@ -286,8 +292,8 @@ std::vector<Corner> Course::slowest_corners(std::size_t most) const {
   for (std::size_t i = 0; i + 1 < legs_.size(); ++i) {
     const auto ended = leg(i);
     if (ended.end_speed >= top) continue;
-    corners.push_back(
-        {ended.end, ended.end_speed / legs_[i].stretch, ended.line, at(ended.end).position});
+    corners.push_back({ended.end + mean_delay(impulses_), ended.end_speed / legs_[i].stretch,
+                       ended.line, plain_at(ended.end).position});
   }
   const auto count = std::min(most, corners.size());
   std::ranges::partial_sort(corners, corners.begin() + static_cast<std::ptrdiff_t>(count), {},

@@ -313,10 +313,10 @@ PathResult<double> feed_of(const std::vector<PathAxis>& axes) {
 }
 
 PathResult<Course> course_of(const PathSource& source, PathLimits limits, double feed,
-                             double tolerance) {
+                             double tolerance, const std::optional<Shaping>& shaping) {
   limits.axes = source.path.axes.size();
   limits.corner_tolerance = tolerance * corners_part;
-  return Course::of(source.path, limits, feed).map_error([](const std::string& why) {
+  return Course::of(source.path, limits, feed, shaping).map_error([](const std::string& why) {
     return wrong("bad_path", why);
   });
 }

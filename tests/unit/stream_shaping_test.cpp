@@ -1,0 +1,85 @@
+// Shaped paths on simulated motors, and the loads that swing behind them.
+#include <gtest/gtest.h>
+
+#include "support/stream_bench.hpp"
+#include "tmcl/plan/shaping_report.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+constexpr Resonance load_of_x{12, 0.02};
+
+/// A way of X after which a load of 12 Hz swings much.
+path_file::Path there_and_back() {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  path.elements.push_back(path_file::LineTo{{10.7, 0}, {}, {}, 1});
+  path.elements.push_back(path_file::LineTo{{10.7, 6}, {}, {}, 2});
+  path.elements.push_back(path_file::LineTo{{1, 3}, {}, {}, 3});
+  return path;
+}
+
+/// How far the load of X swings after the path, in mm, by where its motor is each millisecond.
+double swing_after(const std::optional<Shaping>& shaping, StreamMode mode) {
+  constexpr double look_s = 1e-3;
+  test::StreamBench bench;
+  bench.limit(20, 400);
+  bench.shaping = shaping;
+  ResonantLoad load(load_of_x);
+  double position = 0, speed = 0;
+  bench.every_ms = [&] {
+    const double now = (bench.mm(0) - position) / look_s;
+    load.advance(look_s, (now - speed) / look_s);
+    position = bench.mm(0);
+    speed = now;
+  };
+  const auto report = bench.pass(there_and_back(), mode);
+  EXPECT_FALSE(report.fault) << report.fault->message;
+  EXPECT_NEAR(bench.mm(0), 1, 0.001);
+  EXPECT_NEAR(bench.mm(1), 3, 0.001);
+  return load.swing();
+}
+
+TEST(StreamShaping, LetsTheLoadHardlySwingAfterThePath) {
+  for (const auto mode : {StreamMode::velocity, StreamMode::segments}) {
+    const double unshaped = swing_after(std::nullopt, mode);
+    EXPECT_GT(unshaped, 0.05) << name_of(mode);
+    for (const auto shaper : {Shaper::zv, Shaper::zvd, Shaper::ei}) {
+      EXPECT_LT(swing_after(Shaping{shaper, load_of_x}, mode), 0.25 * unshaped)
+          << name_of(shaper) << " by " << name_of(mode);
+    }
+  }
+}
+
+TEST(StreamShaping, IsNotForPositionMode) {
+  test::StreamBench bench;
+  bench.shaping = Shaping{Shaper::zv, load_of_x};
+  const auto report = bench.pass(there_and_back(), StreamMode::position);
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, DriveFault::Kind::unsuited);
+  EXPECT_EQ(report.fault->message,
+            "position mode cannot shape a path; use velocity mode, or segments");
+}
+
+TEST(ShapingReport, SaysWhatTheShaperCostsAndGains) {
+  PathLimits limits;
+  limits.axes = 2;
+  limits.axis.fill({20, 400, 5});
+  limits.corner_tolerance = 0.025;
+  const Shaping shaping{Shaper::zvd, load_of_x};
+  const auto course =
+      Course::of(there_and_back(), limits, std::numeric_limits<double>::infinity(), shaping);
+  ASSERT_TRUE(course);
+  const auto report = report_on_shaping(*course, load_of_x);
+  EXPECT_NEAR(report.longer_s, 1 / 12.0, 0.001);
+  EXPECT_GT(report.unshaped[0], 0.05);
+  EXPECT_LT(report.swing[0], 0.001);
+  // It cuts the corners, by some hundredths of a mm, in one of the two.
+  EXPECT_GT(report.farthest, 0.01);
+  EXPECT_LT(report.farthest, 0.5);
+  EXPECT_LT(test::off(there_and_back(), course->at(report.at_s).position[0],
+                      course->at(report.at_s).position[1]),
+            report.farthest + 0.001);
+}
+
+}  // namespace
+}  // namespace tmcl::plan
