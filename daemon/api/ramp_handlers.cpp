@@ -223,6 +223,18 @@ Error not_foreseeable(const GatewayAxis& axis, const std::string& why) {
 
 using api::ramp::Compare;
 
+/// Of the move that a ramp is for.
+template <class Method>
+Task<tmcl::Microsteps> way_of(GatewayAxis& axis, const Method& params) {
+  const auto said = co_await must(length_of(
+      axis, raw_or_quantity<&Method::distance_microsteps, &Method::distance>(params), nullptr));
+  if (said.microsteps == tmcl::Microsteps{}) {
+    co_return param_error<&Method::distance>("not_foreseeable",
+                                             "'distance' is 0: such a move has no ramp");
+  }
+  co_return said.microsteps;
+}
+
 /// What swings behind the motor; nothing if no resonance was said.
 Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& params,
                                             double distance) {
@@ -278,9 +290,8 @@ Task<plan::RampSearch> search_of(GatewayAxis& axis, const Find& params) {
   plan::RampSearch search;
   auto units = co_await must(units_of_ready(axis));
   search.units = std::move(units);
-  const auto said = co_await must(length_of(
-      axis, raw_or_quantity<&Find::distance_microsteps, &Find::distance>(params), nullptr));
-  search.distance = said.microsteps;
+  const auto distance = co_await must(way_of(axis, params));
+  search.distance = distance;
   auto jerk = co_await must(jerk_asked_for(axis, params, search.units));
   search.jerk = std::move(jerk);
   if (params.velocity || params.velocity_internal) {
@@ -319,9 +330,7 @@ Answer<api::ramp::Compare> compare_ramps(Call& call, const api::ramp::Compare& p
   const auto found = co_await must(axis_of(call, params.axis));
   auto& axis = *found;
   auto chosen = co_await must(choose(axis, params));
-  const auto said = co_await must(length_of(
-      axis, raw_or_quantity<&Compare::distance_microsteps, &Compare::distance>(params), nullptr));
-  const auto distance = said.microsteps;
+  const auto distance = co_await must(way_of(axis, params));
   const auto load =
       co_await must(load_of(axis, params, std::abs(static_cast<double>(distance.value))));
   const auto twin = co_await must(axis.twin({}), axis);

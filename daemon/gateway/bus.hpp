@@ -77,6 +77,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// How many exchanges wait for their turn.
   std::size_t queued() const { return line() ? line()->queued() : 0; }
   BusLink& link() { return link_; }
+  const BusLink& link() const { return link_; }
   bool is_can() const { return std::holds_alternative<tmcl::CanName>(config_.link); }
 
   /// The module of this address, if add_module() has made it: for axes, configured or not.

@@ -11,6 +11,7 @@
 #include "gateway/gateway.hpp"
 #include "gateway/module/module_settings.hpp"
 #include "gateway/standing_stop.hpp"
+#include "tmcl/heard.hpp"
 #include "tmcl/program_verbs.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -27,9 +28,11 @@ class Notes {
       : findings_(findings), subject_(std::move(subject)) {}
 
   void note(Check check, bool wrong, std::string text) {
-    findings_.push_back({check, subject_, wrong, std::move(text)});
+    findings_.push_back({check, subject_, wrong, std::move(text), {}});
   }
-  void wrong(Check check, std::string text) { note(check, true, std::move(text)); }
+  void wrong(Check check, std::string text, std::string cure = {}) {
+    findings_.push_back({check, subject_, true, std::move(text), std::move(cure)});
+  }
   void fine(Check check, std::string text) { note(check, false, std::move(text)); }
 
  private:
@@ -157,18 +160,44 @@ awaitable<void> probe(GatewayBus& bus, tmcl::ModuleAddress address, std::size_t 
     co_await ask(bus, tmcl::verbs::get(motor, tmcl::axis_parameter::actual_position), client);
 }
 
+/// What a line brought after that datagram.
+tmcl::HeardVerdict heard_after(const GatewayBus& bus, std::uint64_t number) {
+  tmcl::Heard heard(bus.config().bus_options.host_address);
+  for (const auto& entry : bus.link().traffic().after(number, TrafficLog::most)) {
+    tmcl::Traffic traffic;
+    traffic.at = entry.at;
+    traffic.direction = entry.direction;
+    traffic.bytes = std::span(entry.bytes).first(entry.size);
+    heard.note(traffic);
+  }
+  return heard.verdict();
+}
+
+/// And what came instead of its answers.
+void note_silence(const GatewayBus& bus, std::uint64_t asked_after, const std::string& text,
+                  Notes& notes) {
+  if (bus.is_can()) return notes.wrong(Check::module, text);
+  const auto heard = heard_after(bus, asked_after);
+  // To questions to others.
+  if (heard.kind == tmcl::HeardKind::answers) return notes.wrong(Check::module, text);
+  const auto* port = std::get_if<tmcl::SerialName>(&bus.config().link);
+  notes.wrong(Check::module, text + ": " + meaning_of(heard),
+              hint_for(heard.kind, port != nullptr ? "serial:" + port->device : ""));
+}
+
 /// False if it does not answer.
 awaitable<bool> look_at_module(GatewayBus& bus, GatewayModule& module, std::uint64_t client,
                                Notes notes) {
+  const auto asked_after = bus.link().traffic().last();
   const auto ready = co_await module.be_ready();
   if (!ready) {
-    notes.wrong(Check::module, ready.error().message);
+    note_silence(bus, asked_after, ready.error().message, notes);
     co_return false;
   }
   // It may have fallen silent since it was made ready.
   const auto now = co_await bus.run(tmcl::verbs::identify(module.address()), asked_by(client));
   if (!now) {
-    notes.wrong(Check::module, now.error().message);
+    note_silence(bus, asked_after, now.error().message, notes);
     co_return false;
   }
   const auto* model = module.model();

@@ -7,6 +7,7 @@
 
 #include "connection/port_checks.hpp"
 #include "ctl_fixture.hpp"
+#include "tmcl/pty.hpp"
 
 namespace tmclctl::test {
 namespace {
@@ -67,6 +68,17 @@ TEST_F(PortsOfAComputer, ThatThisUserMayNotOpen) {
 TEST_F(PortsOfAComputer, AreNotTriedByAModemManagerWhereTheyAreNone) {
   write("proc/17/comm", "ModemManager\n");
   EXPECT_THAT(wrong(), IsEmpty());
+}
+
+TEST(Port, ThatThisProgramHasIsFreeOfOthers) {
+  const auto pty = tmcl::open_pty().value();
+  for (const auto& finding : look_at_port(pty.slave_name, "unit_tests")) {
+    if (finding.check != Check::holder) continue;
+    EXPECT_FALSE(finding.wrong);
+    EXPECT_EQ(finding.text, "it is: only this program has it");
+    return;
+  }
+  FAIL() << "no finding on its holder";
 }
 
 // ---- what is shown -----------------------------------------------------------------------------

@@ -57,6 +57,17 @@ double off_line(double x, double y, std::array<double, 2> from, std::array<doubl
   return std::hypot(x - from[0] - part * dx, y - from[1] - part * dy);
 }
 
+TEST_F(CtlPathExport, NothingThatAModuleWouldRefuse) {
+  for (const char* form : {"sap", "tmc", "c"}) {
+    EXPECT_EQ(ctl.run({"path", "check", path, "--legs", "--microsteps-per-unit", "1000000", "--as",
+                       form}),
+              ExitCode::usage);
+    EXPECT_EQ(ctl.out, "");
+    EXPECT_THAT(ctl.err, HasSubstr("its register holds 8388096 at most"));
+    EXPECT_THAT(ctl.err, HasSubstr("--microsteps-per-unit"));
+  }
+}
+
 // Both axes of a leg need the same time, so they keep to its line.
 TEST_F(CtlPathExport, AProgramPassesThePath) {
   const auto program = tmcl::sim::assembled(exported("tmc"));

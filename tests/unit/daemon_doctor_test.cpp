@@ -83,6 +83,20 @@ TEST(Doctor, FindsAModuleThatHasNoSupply) {
   EXPECT_THAT(names_in(bench, {{"axis", "far"}}), IsEmpty());
 }
 
+TEST(Doctor, SaysWhatALineBringsInsteadOfAnswers) {
+  JourneyBench bench;
+  ASSERT_THAT(names_in(bench), IsEmpty());
+  for (const auto& module : bench.wire.bench().modules()) module->power_off();
+  const auto nothing = wrong_in(bench, {{"axis", "x"}}).front();
+  EXPECT_THAT(nothing.text, testing::EndsWith("does not answer: nothing came back"));
+  EXPECT_THAT(nothing.cure, HasSubstr("A and B, or RX and TX swapped?"));
+  bench.on_request = [&](const tmcl::Request&) { bench.wire.say("gateway login: \r\n"); };
+  const auto text = wrong_in(bench, {{"axis", "x"}}).front();
+  EXPECT_EQ(text.check, "module");
+  EXPECT_THAT(text.text, HasSubstr("text came, as of a console: \"gateway login: \""));
+  EXPECT_THAT(text.cure, HasSubstr("a console that the kernel or getty writes to"));
+}
+
 TEST(Doctor, FindsMotorsWithoutSupply) {
   JourneyBench bench;
   bench.wire.bench().modules().front()->set_supply(52);

@@ -299,7 +299,8 @@ TEST_F(DaemonBow, WhatCannotBeFoundIsRefused) {
   EXPECT_THAT(refused({{"time_s", 1}}), HasSubstr("distance"));
   EXPECT_THAT(refused({{"distance", "10mm"}, {"time_s", 0}}), HasSubstr("'time_s' is"));
   EXPECT_THAT(refused({{"distance", "10mm"}, {"time_s", 0.001}}), HasSubstr("s at best"));
-  EXPECT_THAT(refused({{"distance", "0mm"}, {"time_s", 1}}), HasSubstr("not_foreseeable"));
+  EXPECT_THAT(refused({{"distance", "0mm"}, {"time_s", 1}}),
+              testing::Eq("not_foreseeable: 'distance' is 0: such a move has no ramp"));
   EXPECT_THAT(refused({{"distance", "10mm"}, {"load", 900}}), HasSubstr("less torque than"));
   EXPECT_THAT(refused({{"distance", "10mm"}, {"load", -1}}), HasSubstr("'load' is 0 to"));
 }
@@ -310,6 +311,7 @@ TEST_F(DaemonBow, WhatCannotBeComparedIsRefused) {
     return done ? "none" : done.error().name + ": " + done.error().message;
   };
   EXPECT_THAT(refused({}), HasSubstr("distance"));
+  EXPECT_THAT(refused({{"distance", "0mm"}}), HasSubstr("'distance' is 0"));
   EXPECT_THAT(refused({{"distance", "10mm"}, {"resonance_hz", 0}}),
               HasSubstr("'resonance_hz' is 0.01 to 100000, not 0"));
   EXPECT_THAT(refused({{"distance", "10mm"}, {"resonance_hz", 12}, {"damping", 1}}),

@@ -69,9 +69,10 @@ struct Finding {
   std::string subject{};  ///< "x", "bench", "bench:1" or "/dev/ttyUSB0"; empty: tmcld itself.
   bool wrong = false;
   std::string text{};  ///< A sentence without a full stop.
+  std::string cure{};  ///< Of what was found; empty: that of its check.
 };
 
-/// The cure of its check, for its subject.
+/// Its own cure, or that of its check, for its subject.
 std::string cure_of(const Finding& finding);
 
 }  // namespace tmcl

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tmcl {
 
@@ -17,6 +18,11 @@ inline constexpr auto quoted = [](std::string_view word) { return "'" + std::str
 /// must be right. A candidate that goes on where the word ends is near. If none is, the only one
 /// whose last words it is ("baud_rate" of "serial_baud_rate").
 std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates);
+
+/// The candidates that have `word` between their underscores, or at an end: "velocity" is in
+/// "max_velocity" and "target_velocity". Case is ignored.
+std::vector<std::string_view> words_with(std::string_view word,
+                                         std::span<const std::string_view> candidates);
 
 /// " Did you mean 'x'?", or nothing.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);

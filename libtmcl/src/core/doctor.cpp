@@ -93,6 +93,7 @@ std::span<const CheckInfo> checks() { return check_table; }
 const CheckInfo& info_of(Check check) { return check_table.at(static_cast<std::size_t>(check)); }
 
 std::string cure_of(const Finding& finding) {
+  if (!finding.cure.empty()) return finding.cure;
   std::string text(info_of(finding.check).cure);
   for (auto at = text.find("{}"); at != std::string::npos; at = text.find("{}", at))
     text.replace(at, 2, finding.subject);

@@ -44,6 +44,19 @@ bool ends(std::string_view whole, std::string_view part) {
   return whole[from - 1] == '_' && text::equal_ignoring_case(whole.substr(from), part);
 }
 
+/// Whether it is one or more of the parts that underscores separate.
+bool has_part(std::string_view whole, std::string_view part) {
+  for (std::size_t at = 0; at + part.size() <= whole.size() && !part.empty(); ++at) {
+    const auto end = at + part.size();
+    const bool begins_there = at == 0 || whole[at - 1] == '_';
+    const bool ends_there = end == whole.size() || whole[end] == '_';
+    if (begins_there && ends_there &&
+        text::equal_ignoring_case(whole.substr(at, part.size()), part))
+      return true;
+  }
+  return false;
+}
+
 // What only lacks its end is near, however long that is.
 std::size_t distance_between(std::string_view word, std::string_view candidate) {
   return begins(candidate, word) ? 1 : edit_distance(word, candidate);
@@ -87,6 +100,14 @@ std::string_view closest_word(std::string_view word, std::span<const std::string
   const auto has_it = [&](std::string_view candidate) { return ends(candidate, word); };
   const auto only = std::ranges::find_if(candidates, has_it);
   return std::ranges::count_if(candidates, has_it) == 1 ? *only : std::string_view{};
+}
+
+std::vector<std::string_view> words_with(std::string_view word,
+                                         std::span<const std::string_view> candidates) {
+  std::vector<std::string_view> found;
+  for (const auto candidate : candidates)
+    if (has_part(candidate, word)) found.push_back(candidate);
+  return found;
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {

@@ -51,7 +51,14 @@ def bench(
     virtual_time: bool = False,
     **settings: object,
 ) -> Iterator[BenchGateway]:
-    """A gateway that is connected to a `Bench` of its own."""
+    """A gateway that is connected to a `Bench` of its own.
+
+    `models` are those of the simulated modules, such as "TMCM-3110". `settings` are keys of
+    [[axis]] in tmcld.toml for all axes: unit with screw_pitch or units_per_revolution,
+    soft_limits, ...; `axes` gives them names, or sets keys of one:
+    {"stage": {"soft_limits": [0, 20]}}. `simulator` are options of tmclsim. With `virtual_time` a
+    wait takes no time. Errors: no_program, bench_failed.
+    """
     with Bench(
         *models, axes=axes, simulator=simulator, virtual_time=virtual_time, **settings
     ) as made:

@@ -70,8 +70,11 @@ void PortChecks::look_at_holder(std::string_view allowed) {
   port.device = path_.string();
   const auto holder = holder_of(port);
   const bool is_allowed = !allowed.empty() && holder.starts_with(allowed);
+  const bool is_this = holder.ends_with(fmt::format("(process {})", ::getpid()));
   note(Check::holder, !holder.empty() && !is_allowed,
-       holder.empty() ? "none that is seen" : holder);
+       holder.empty() ? "none that is seen"
+       : is_this      ? "it is: only this program has it"
+                      : holder);
 }
 
 bool PortChecks::runs(std::string_view program) const {

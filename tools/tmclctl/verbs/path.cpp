@@ -98,7 +98,11 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   std::optional<path::ChipScale> chip;
   if (verb.microsteps_per_unit) chip = path::ChipScale{*verb.microsteps_per_unit, verb.clock_hz};
   if (verb.legs) legs = path::leg_table(*planned, source->path.axes, chip);
-  if (chip) warn(path::beyond_registers(legs, *chip), output);
+  const auto beyond = chip ? path::beyond_registers(legs, *chip) : std::vector<std::string>();
+  // Nothing is exported that a module would refuse.
+  if (verb.as && !beyond.empty())
+    return tl::unexpected(usage_error("out_of_range", verb.file + ": " + beyond.front()));
+  warn(beyond, output);
   if (!verb.csv.empty()) {
     if (auto written = write_rows(verb, *planned, drawn_path(verb, *text, *source), output);
         !written)
@@ -155,7 +159,7 @@ where there are more than four, with the slowest corners.
 ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
 With --microsteps-per-unit the ramps come in microsteps as well, and as the registers of a TMC5130,
 TMC5160 or TMC5072 hold them at --clock: f/2^24 and f^2/2^41, VSTOP 10 at least. What is beyond a
-register is a warning with the number that would do. --as prints them for other programs: c is a table of
+register is a warning with the number that would do, and with --as an error. --as prints them for other programs: c is a table of
 registers; sap are lines of TMCL, and tmc is a program that 'tmclctl program' assembles, for a module whose
 motors 0, 1 ... are the axes.
 --csv is for other programs, too: time, X_x, X_v, X_a and X_j of each axis, and off, which is how far the

@@ -159,10 +159,20 @@ Result<tmcl::Microsteps> length_of(const std::string& text, const AxisUnits& uni
   });
 }
 
+/// Of the move that a ramp is for.
+Result<tmcl::Microsteps> way_of(const std::string& text, const AxisUnits& units) {
+  const auto way = length_of(text, units);
+  if (way && *way == tmcl::Microsteps{}) {
+    return tl::unexpected(
+        usage_error("not_foreseeable", "--distance is 0: such a move has no ramp"));
+  }
+  return way;
+}
+
 /// `unit`: how many of it a microstep is.
 Result<Comparison> compared(const verb::Ramp& verb, const plan::PlannedRamp& planned,
                             const AxisUnits& units, std::optional<double> unit) {
-  const auto distance = length_of(verb.distance, units);
+  const auto distance = way_of(verb.distance, units);
   if (!distance) return tl::unexpected(distance.error());
   std::optional<plan::LoadWish> load;
   if (verb.resonance_hz) {
@@ -428,7 +438,7 @@ Result<ExitCode> find_on_axis(const verb::Ramp& verb, Context& context) {
 
 Result<plan::RampSearch> search_of(const verb::Ramp& verb, const AxisUnits& units) {
   plan::RampSearch search{units};
-  const auto distance = length_of(verb.distance, units);
+  const auto distance = way_of(verb.distance, units);
   if (!distance) return tl::unexpected(distance.error());
   search.distance = *distance;
   auto jerk = jerk_of(verb.jerk, verb.internal);
