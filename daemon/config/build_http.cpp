@@ -120,6 +120,7 @@ HttpConfig build_http(const HttpSection& section, tmcl::TextProblems& problems) 
   set_path(section.key, http.key, problems);
   set_path(section.client_ca, http.client_ca, problems);
   http.loopback_without_token = section.loopback_without_token.value_or(false);
+  set_path(section.page, http.page, problems);
   check_tls(section, http, problems);
   return http;
 }

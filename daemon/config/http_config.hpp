@@ -24,6 +24,7 @@ struct HttpConfig {
   std::string client_ca{};             ///< File; empty: clients need no certificate.
   std::vector<std::string> origins{};  ///< Of pages beside the daemon's own.
   bool loopback_without_token = false;
+  std::string page{};  ///< Folder; empty: where the page is usually.
 };
 
 /// The section [http] of the file and those beside it; nothing if there is none.

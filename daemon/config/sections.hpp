@@ -48,6 +48,7 @@ struct HttpSection : Section {
            "origins of pages that may call tmcld, besides one that comes from its own address");
   TMCL_KEY(Said<bool>, loopback_without_token,
            "programs of this computer need no token on loopback addresses");
+  TMCL_KEY(Said<std::string>, page, "folder of the page for browsers");
 };
 
 struct AccessSection : Section {

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <utility>
 
+#include "fronts/header_list.hpp"
+
 namespace tmcld {
 namespace {
 
@@ -16,6 +18,7 @@ constexpr unsigned bad_request = 400;
 // Of those that are not simply bad requests.
 constexpr auto statuses = std::to_array<NamedStatus>({{"no_token", 401},
                                                       {"unknown_token", 401},
+                                                      {"sign_in_ended", 401},
                                                       {"wrong_host", 403},
                                                       {"foreign_origin", 403},
                                                       {"not_permitted", 403},
@@ -33,27 +36,6 @@ std::string lower(std::string_view text) {
   std::ranges::transform(result, result.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return result;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-/// The first element of a list, which is taken off it.
-std::string_view take_element(std::string_view& list) {
-  const auto end = list.find(',');
-  const auto element = trimmed(list.substr(0, end));
-  list = end == std::string_view::npos ? std::string_view{} : list.substr(end + 1);
-  return element;
-}
-
-bool lists(std::string_view list, std::string_view wanted) {
-  while (!list.empty()) {
-    if (take_element(list) == wanted) return true;
-  }
-  return false;
 }
 
 // A client from the network is no user of this computer.
@@ -84,20 +66,32 @@ constexpr auto places = std::to_array<Place>({
     {"/metrics", "GET", HttpRoute::metrics},
     {"/rpc", "POST", HttpRoute::rpc},
     {"/ws", "GET", HttpRoute::websocket},
+    {"/session", "GET", HttpRoute::who},
+    {"/session", "POST", HttpRoute::sign_in},
+    {"/session", "DELETE", HttpRoute::sign_out},
 });
+
+Error wrong_method(std::string_view path) {
+  std::string methods;
+  for (const auto& place : places) {
+    if (place.path != path) continue;
+    if (!methods.empty()) methods += ", ";
+    methods += place.method;
+  }
+  return not_now("wrong_http_method", std::string(path) + " is for " + methods,
+                 "one JSON-RPC message in the body of a POST to /rpc");
+}
 
 Result<HttpRoute> route_of(const HttpHead& head) {
   const auto path = head.target.substr(0, head.target.find('?'));
-  const auto* place = std::ranges::find(places, path, &Place::path);
-  if (place == places.end()) {
-    return tl::unexpected(not_now("not_found", "there is nothing here",
-                                  "/rpc, /ws, /metrics and /healthz are served"));
+  if (std::ranges::find(places, path, &Place::path) == places.end()) {
+    return tl::unexpected(
+        not_now("not_found", "there is nothing here",
+                "/rpc, /ws, /session, /metrics and /healthz are served, and a page at /"));
   }
-  if (head.method != place->method) {
-    return tl::unexpected(not_now("wrong_http_method",
-                                  std::string(path) + " is for " + std::string(place->method),
-                                  "one JSON-RPC message in the body of a POST to /rpc"));
-  }
+  const auto* place = std::ranges::find_if(
+      places, [&](const Place& one) { return one.path == path && one.method == head.method; });
+  if (place == places.end()) return tl::unexpected(wrong_method(path));
   if (place->route == HttpRoute::websocket && !head.is_upgrade) {
     return tl::unexpected(
         not_now("not_a_websocket", "/ws is for WebSockets", "single calls: POST /rpc"));
@@ -132,7 +126,17 @@ Result<HttpEntry> entry_without_token(const HttpHead& head, const HttpConnection
         "ask for http://localhost:" + std::to_string(connection.port) + ", or send a token"));
   }
   return HttpEntry{
-      HttpRoute::rpc, unknown_caller(access), {}, "a program at " + connection.peer, {}};
+      HttpRoute::rpc, unknown_caller(access), {}, 0, "a program at " + connection.peer, {}};
+}
+
+HttpEntry entry_of(const Token& token, std::uint64_t sign_in,
+                   const HttpConnectionInfo& connection) {
+  return {HttpRoute::rpc,
+          caller_with_token(token),
+          token.name,
+          sign_in,
+          "token '" + token.name + "' from " + connection.peer,
+          {}};
 }
 
 Result<HttpEntry> entry_by_token(std::string_view secret, const HttpConnectionInfo& connection,
@@ -143,11 +147,17 @@ Result<HttpEntry> entry_by_token(std::string_view secret, const HttpConnectionIn
                                        "there is no such token: it was revoked, or is of another "
                                        "tmcld"));
   }
-  return HttpEntry{HttpRoute::rpc,
-                   caller_with_token(*token),
-                   token->name,
-                   "token '" + token->name + "' from " + connection.peer,
-                   {}};
+  return entry_of(*token, 0, connection);
+}
+
+Result<HttpEntry> entry_by_cookie(const std::optional<SignIn>& sign_in,
+                                  const HttpConnectionInfo& connection, const Tokens& tokens) {
+  const auto* token = sign_in ? tokens.find(sign_in->token) : nullptr;
+  if (token == nullptr) {
+    return tl::unexpected(not_now("sign_in_ended", "the sign-in has ended",
+                                  "sign in again: POST /session with a token"));
+  }
+  return entry_of(*token, sign_in->id, connection);
 }
 
 }  // namespace
@@ -184,6 +194,20 @@ std::string_view token_of(const HttpHead& head) {
   return {};
 }
 
+std::string cookie_name(const HttpConnectionInfo& connection) {
+  return (connection.has_tls ? "__Host-tmcl-" : "tmcl-") + std::to_string(connection.port);
+}
+
+std::string_view cookie_of(const HttpHead& head, const HttpConnectionInfo& connection) {
+  const auto beginning = cookie_name(connection) + "=";
+  auto cookies = head.cookies;
+  while (!cookies.empty()) {
+    const auto cookie = take_element(cookies, ';');
+    if (cookie.starts_with(beginning)) return cookie.substr(beginning.size());
+  }
+  return {};
+}
+
 Caller caller_by(std::string_view token, const Tokens& tokens,
                  std::span<const AccessConfig> access) {
   if (token.empty()) return unknown_caller(access);
@@ -194,7 +218,8 @@ Caller caller_by(std::string_view token, const Tokens& tokens,
 
 Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,
                              const HttpRules& rules, const Tokens& tokens,
-                             std::span<const AccessConfig> access) {
+                             std::span<const AccessConfig> access,
+                             const std::optional<SignIn>& sign_in) {
   const auto route = route_of(head);
   if (!route) return tl::unexpected(route.error());
   if (*route == HttpRoute::health) return HttpEntry{};
@@ -204,9 +229,16 @@ Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& con
                                   "pages of " + std::string(*origin) + " may not call this tmcld",
                                   "'origins' in [http] of tmcld.toml names the pages that may"));
   }
+  // Whose sign-in has ended can still have its cookie taken away.
+  if (*route == HttpRoute::sign_out)
+    return HttpEntry{*route, {}, {}, sign_in ? sign_in->id : 0, {}, {}};
   const auto secret = token_of(head);
-  auto entry = secret.empty() ? entry_without_token(head, connection, rules, access)
-                              : entry_by_token(secret, connection, tokens);
+  if (*route == HttpRoute::sign_in && secret.empty())
+    return tl::unexpected(unauthorized("no_token", "a sign-in shows a token"));
+  const bool has_cookie = !cookie_of(head, connection).empty();
+  auto entry = !secret.empty() ? entry_by_token(secret, connection, tokens)
+               : has_cookie    ? entry_by_cookie(sign_in, connection, tokens)
+                               : entry_without_token(head, connection, rules, access);
   if (!entry) return entry;
   if (*route == HttpRoute::rpc) {
     if (auto refused = objection_to_type(head)) return tl::unexpected(std::move(*refused));

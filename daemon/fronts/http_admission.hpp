@@ -9,11 +9,20 @@
 
 #include "api/caller.hpp"
 #include "api/error.hpp"
+#include "fronts/sign_ins.hpp"
 #include "gateway/store/tokens.hpp"
 
 namespace tmcld {
 
-enum class HttpRoute : std::uint8_t { health, metrics, rpc, websocket };
+enum class HttpRoute : std::uint8_t {
+  health,
+  metrics,
+  rpc,
+  websocket,
+  who,  ///< As whom a client is let in.
+  sign_in,
+  sign_out
+};
 
 /// What is looked at of the head of a request.
 struct HttpHead {
@@ -22,6 +31,7 @@ struct HttpHead {
   std::string_view host{};
   std::optional<std::string_view> origin{};
   std::string_view authorization{};
+  std::string_view cookies{};
   std::string_view content_type{};
   std::string_view protocols{};  ///< Sec-WebSocket-Protocol
   bool is_upgrade = false;       ///< To a WebSocket.
@@ -39,9 +49,10 @@ struct HttpConnectionInfo {
 struct HttpEntry {
   HttpRoute route = HttpRoute::health;
   Caller caller{};
-  std::string token{};     ///< By which it was let in; empty: by none.
-  std::string name{};      ///< Of the client, as others are told.
-  std::string protocol{};  ///< Of the WebSocket, if it wants one; to be agreed on.
+  std::string token{};        ///< By which it was let in; empty: by none.
+  std::uint64_t sign_in = 0;  ///< By the cookie of which; 0: by none.
+  std::string name{};         ///< Of the client, as others are told.
+  std::string protocol{};     ///< Of the WebSocket, if it wants one; to be agreed on.
 };
 
 struct HttpRules {
@@ -61,14 +72,21 @@ bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_
 bool is_loopback_host(std::string_view host, std::uint16_t port);
 /// The token that came along; empty if none did.
 std::string_view token_of(const HttpHead& head);
+/// Of the cookie that stands for a token. Cookies are for all ports of a computer, so that the name
+/// has the port; the beginning makes browsers take it by TLS only, and from this computer alone.
+std::string cookie_name(const HttpConnectionInfo& connection);
+/// What the cookie has; empty if none came along.
+std::string_view cookie_of(const HttpHead& head, const HttpConnectionInfo& connection);
 
 /// The client that came by the token of this name; empty: by none.
 Caller caller_by(std::string_view token, const Tokens& tokens,
                  std::span<const AccessConfig> access);
 
+/// `sign_in`: what the cookie stands for, if that has not ended.
 Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,
                              const HttpRules& rules, const Tokens& tokens,
-                             std::span<const AccessConfig> access);
+                             std::span<const AccessConfig> access,
+                             const std::optional<SignIn>& sign_in = std::nullopt);
 /// Of the answer to a request that is refused by this error.
 unsigned http_status_of(const Error& refusal);
 

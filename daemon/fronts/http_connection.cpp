@@ -15,8 +15,10 @@
 
 #include "api/request.hpp"
 #include "async/spawn.hpp"
+#include "fronts/http_message.hpp"
 #include "fronts/metrics.hpp"
 #include "fronts/session.hpp"
+#include "tmcl/json_text.hpp"
 #include "web/web_stream.hpp"
 
 namespace tmcld {
@@ -24,7 +26,6 @@ namespace {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
-namespace http = beast::http;
 namespace ssl = asio::ssl;
 namespace websocket = beast::websocket;
 using asio::awaitable;
@@ -73,59 +74,6 @@ class HttpSession final : public Session {
   std::function<void()> disconnect_;
 };
 
-/// Takes nothing that a proxy in front of it may read otherwise: RFC 9112, 3.2 and 5.2.
-class RequestParser final : public http::request_parser<http::string_body> {
- public:
-  /// Why the head is refused; empty if it is not.
-  const std::string& objection() const { return objection_; }
-
- private:
-  void on_field_impl(http::field name, beast::string_view name_text, beast::string_view value,
-                     error_code& error) override {
-    // The parser begins when all of the head is there, so that this finds the end of a line.
-    const auto* end = name_text.data() + name_text.size();
-    while (end[0] != '\r' || end[1] != '\n') ++end;
-    const bool is_folded = end[2] == ' ' || end[2] == '\t';
-    const bool is_repeated = is_single(name) && get().count(name) > 0;
-    if (is_folded) objection_ = "is on more than one line";
-    if (is_repeated) objection_ = "is there twice";
-    if (is_folded || is_repeated) {
-      objection_ = "the field '" + std::string(name_text) + "' " + objection_;
-      error = http::error::bad_field;
-      return;
-    }
-    // What comes behind the body says nothing of who sends it.
-    if (!is_header_done()) get().insert(name, name_text, value);
-  }
-  /// Who is let in depends on it.
-  static bool is_single(http::field name) {
-    return name == http::field::host || name == http::field::authorization ||
-           name == http::field::origin || name == http::field::content_type ||
-           name == http::field::expect;
-  }
-
-  std::string objection_;
-};
-
-using Request = http::request<http::string_body>;
-using Response = http::response<http::string_body>;
-
-std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
-
-HttpHead head_of(const Request& request) {
-  const auto field = [&](http::field name) { return view_of(request[name]); };
-  HttpHead head{view_of(request.method_string()),
-                view_of(request.target()),
-                field(http::field::host),
-                {},
-                field(http::field::authorization),
-                field(http::field::content_type),
-                field(http::field::sec_websocket_protocol),
-                websocket::is_upgrade(request)};
-  if (request.find(http::field::origin) != request.end()) head.origin = field(http::field::origin);
-  return head;
-}
-
 Error too_many_clients() {
   return not_now("too_many_clients", "tmcld has as many clients as it can serve",
                  "end programs that do not need their connection any more; stops are taken all the "
@@ -133,30 +81,6 @@ Error too_many_clients() {
 }
 
 Error ending() { return not_now("daemon_ending", "tmcld is ending", "try again later"); }
-
-/// As an answer to a call would be that could not be read.
-std::string body_of(const Error& refusal) {
-  return answer_line(nullptr, tl::unexpected(refusal)) + "\n";
-}
-
-Response response_of(unsigned status, const char* type, std::string body, unsigned version,
-                     bool keep_alive) {
-  Response response(static_cast<http::status>(status), version);
-  response.set(http::field::server, "tmcld");
-  response.set(http::field::content_type, type);
-  response.set(http::field::cache_control, "no-store");
-  response.set("X-Content-Type-Options", "nosniff");
-  if (status == 401) response.set(http::field::www_authenticate, "Bearer");
-  if (status == 426) response.set(http::field::upgrade, "websocket");
-  response.keep_alive(keep_alive);
-  response.body() = std::move(body);
-  response.prepare_payload();
-  return response;
-}
-
-constexpr auto json_type = "application/json";
-constexpr auto plain_type = "text/plain; charset=utf-8";
-constexpr auto metrics_type = "text/plain; version=0.0.4; charset=utf-8";
 
 // ---- one connection ----------------------------------------------------------------------------
 
@@ -191,6 +115,9 @@ class StreamConnection final : public HttpConnection,
   }
   void end_if_by_token(const std::string& name) override {
     if (session_ && token_ == name) end_session("the token was revoked");
+  }
+  void end_if_signed_in_by(std::uint64_t sign_in) override {
+    if (session_ && sign_in_ == sign_in) end_session("the sign-in has ended");
   }
   void end_if_it_lost_rights() override {
     if (session_ && !session_->is_closed() && session_->has_lost_rights())
@@ -286,6 +213,11 @@ class StreamConnection final : public HttpConnection,
 
   /// False if this was the last request of the connection.
   awaitable<bool> serve(RequestParser& parser) {
+    const auto* file = connections_->page.find(view_of(parser.get().target()));
+    if (file != nullptr) {
+      const bool goes_on = co_await serve_page(parser, *file);
+      co_return goes_on;
+    }
     const auto entry = connections_->admit(head_of(parser.get()), info_);
     if (!entry) {
       const auto status = http_status_of(entry.error());
@@ -295,9 +227,7 @@ class StreamConnection final : public HttpConnection,
     }
     // A body that is not read would be taken for the next request.
     if (entry->route != HttpRoute::rpc && !parser.is_done()) {
-      const auto refusal = not_now("unexpected_body", "only a call to /rpc has a body",
-                                   "send the request without one");
-      co_await refuse(refusal);
+      co_await refuse_body();
       co_return false;
     }
     bool goes_on = false;
@@ -306,6 +236,9 @@ class StreamConnection final : public HttpConnection,
       case HttpRoute::metrics: goes_on = co_await tell_metrics(parser.get()); break;
       case HttpRoute::rpc: goes_on = co_await serve_call(parser); break;
       case HttpRoute::websocket: co_await serve_websocket(parser.release(), *entry); break;
+      case HttpRoute::who: goes_on = co_await tell_who(parser.get(), *entry, {}); break;
+      case HttpRoute::sign_in: goes_on = co_await sign_in(parser.get(), *entry); break;
+      case HttpRoute::sign_out: goes_on = co_await sign_out(parser.get(), *entry); break;
     }
     co_return goes_on;
   }
@@ -327,6 +260,64 @@ class StreamConnection final : public HttpConnection,
         metrics_text(*gateway, axes, connections_->share->stop_latency, connections_->clients());
     const bool goes_on = co_await respond(request, metrics_type, std::move(text));
     co_return goes_on;
+  }
+
+  // ---- the page ----
+
+  awaitable<bool> serve_page(RequestParser& parser, const PageFile& file) {
+    const auto method = parser.get().method();
+    if (method != http::verb::get && method != http::verb::head) {
+      const auto refusal =
+          not_now("wrong_http_method", "the page is for GET, HEAD", "calls: POST /rpc");
+      co_await refuse(refusal);
+      co_return false;
+    }
+    if (!parser.is_done()) {
+      co_await refuse_body();
+      co_return false;
+    }
+    auto response = page_response(file, parser.get());
+    const bool goes_on = co_await send(response);
+    co_return goes_on;
+  }
+
+  /// `cookie`: what the client is to keep; empty: nothing new.
+  awaitable<bool> tell_who(const Request& request, const HttpEntry& entry,
+                           const std::string& cookie) {
+    const boost::json::object who{{"role", name_of(entry.caller.role)},
+                                  {"token", entry.token},
+                                  {"signed_in", entry.sign_in != 0 || !cookie.empty()}};
+    auto response = response_of(200, json_type, tmcl::json_text(who) + "\n", request.version(),
+                                request.keep_alive());
+    if (!cookie.empty()) response.set(http::field::set_cookie, cookie);
+    const bool goes_on = co_await send(response);
+    co_return goes_on;
+  }
+
+  awaitable<bool> sign_in(const Request& request, const HttpEntry& entry) {
+    const auto cookie = cookie_with(connections_->sign_in(entry.token), time_signed_in);
+    const bool goes_on = co_await tell_who(request, entry, cookie);
+    co_return goes_on;
+  }
+
+  awaitable<bool> sign_out(const Request& request, const HttpEntry& entry) {
+    connections_->sign_out(entry.sign_in, id_);
+    auto response = response_of(200, json_type, "{}\n", request.version(), false);
+    response.set(http::field::set_cookie, cookie_with("", std::chrono::seconds(0)));
+    co_await send(response);
+    // With it goes what this connection has let turn.
+    co_return false;
+  }
+
+  std::string cookie_with(const std::string& secret, std::chrono::seconds age) const {
+    return cookie_name(info_) + "=" + secret + "; Path=/; Max-Age=" + std::to_string(age.count()) +
+           "; HttpOnly; SameSite=Strict" + (info_.has_tls ? "; Secure" : "");
+  }
+
+  awaitable<void> refuse_body() {
+    const auto refusal = not_now("unexpected_body", "only a call to /rpc has a body",
+                                 "send the request without one");
+    co_await refuse(refusal);
   }
 
   // ---- calls ----
@@ -375,13 +366,14 @@ class StreamConnection final : public HttpConnection,
 
   /// The calls of a connection are of one client, as long as it comes with the same token.
   void begin_session(const HttpEntry& entry, Session::Serves serves) {
-    if (session_ && !session_->is_closed() && token_ == entry.token) return;
+    if (session_ && !session_->is_closed() && is_of(entry)) return;
     if (session_) session_->close();
     token_ = entry.token;
+    sign_in_ = entry.sign_in;
     Session::Options options;
     options.share = connections_->share;
-    options.caller = [connections = connections_, token = entry.token] {
-      return connections->caller_by(token);
+    options.caller = [connections = connections_, token = entry.token, sign_in = entry.sign_in] {
+      return connections->caller_by(token, sign_in);
     };
     options.name = entry.name;
     options.serves = serves;
@@ -393,6 +385,10 @@ class StreamConnection final : public HttpConnection,
                                                if (self && (!self->ws_ || self->is_writing_))
                                                  self->close_socket();
                                              });
+  }
+
+  bool is_of(const HttpEntry& entry) const {
+    return token_ == entry.token && sign_in_ == entry.sign_in;
   }
 
   void end_session(const char* why) {
@@ -509,10 +505,15 @@ class StreamConnection final : public HttpConnection,
   awaitable<bool> respond(const Request& request, const char* type, std::string body) {
     auto response =
         response_of(200, type, std::move(body), request.version(), request.keep_alive());
+    const bool goes_on = co_await send(response);
+    co_return goes_on;
+  }
+
+  awaitable<bool> send(Response& response) {
     lowest().expires_after(time_for_body);
     error_code error;
     co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
-    co_return !error && request.keep_alive();
+    co_return !error && response.keep_alive();
   }
 
   // It is given a value with a name: g++ 12 destroys one in braces behind co_await twice.
@@ -603,7 +604,8 @@ class StreamConnection final : public HttpConnection,
   std::uint64_t id_;
   HttpConnectionInfo info_;
   std::shared_ptr<HttpSession> session_;
-  std::string token_;  ///< By which that was let in; empty: by none.
+  std::string token_;          ///< By which that was let in; empty: by none.
+  std::uint64_t sign_in_ = 0;  ///< By the cookie of which; 0: by none.
   websocket::close_reason farewell_{websocket::close_code::going_away};
   std::optional<tmcl::TimePoint> idle_since_;  ///< Nothing while a request is served.
   bool is_serving_ = false;

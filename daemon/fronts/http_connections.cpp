@@ -53,11 +53,39 @@ std::vector<std::shared_ptr<HttpConnection>> HttpConnections::all() const {
 Result<HttpEntry> HttpConnections::admit(const HttpHead& head,
                                          const HttpConnectionInfo& info) const {
   const HttpRules rules{config_.origins, config_.loopback_without_token};
-  return admit_http(head, info, rules, *share->tokens, gateway->access());
+  const auto sign_in = sign_ins_.of_secret(cookie_of(head, info), gateway->clock().now());
+  return admit_http(head, info, rules, *share->tokens, gateway->access(), sign_in);
 }
 
-Caller HttpConnections::caller_by(std::string_view token) const {
-  return tmcld::caller_by(token, *share->tokens, gateway->access());
+Caller HttpConnections::caller_by(std::string_view token, std::uint64_t sign_in) const {
+  auto caller = tmcld::caller_by(token, *share->tokens, gateway->access());
+  if (sign_in == 0 || sign_ins_.is_in(sign_in, gateway->clock().now())) return caller;
+  caller.role = Role::stop;
+  caller.exceeds_limits = false;
+  caller.reason = "the sign-in has ended";
+  return caller;
+}
+
+std::string HttpConnections::sign_in(const std::string& token) {
+  return sign_ins_.add(token, gateway->clock().now());
+}
+
+void HttpConnections::sign_out(std::uint64_t sign_in, std::uint64_t but) {
+  if (sign_in == 0) return;
+  sign_ins_.remove(sign_in);
+  // A copy: one that ends takes itself away.
+  for (const auto& [id, connection] : std::map(all_)) {
+    if (id != but) connection->end_if_signed_in_by(sign_in);
+  }
+}
+
+void HttpConnections::end_what_has_expired() {
+  for (const auto& ended : sign_ins_.take_ended(gateway->clock().now())) sign_out(ended.id);
+}
+
+void HttpConnections::end_by_token(const std::string& token) {
+  sign_ins_.remove_of_token(token);
+  for (const auto& connection : all()) connection->end_if_by_token(token);
 }
 
 }  // namespace tmcld

@@ -15,6 +15,8 @@
 #include "fronts/front_share.hpp"
 #include "fronts/handshakes.hpp"
 #include "fronts/http_admission.hpp"
+#include "fronts/page_files.hpp"
+#include "fronts/sign_ins.hpp"
 #include "gateway/gateway.hpp"
 
 namespace tmcld {
@@ -30,6 +32,8 @@ class HttpConnection {
   virtual void close() = 0;
   /// If it was let in by this token.
   virtual void end_if_by_token(const std::string& name) = 0;
+  /// If it was let in by the cookie of this sign-in.
+  virtual void end_if_signed_in_by(std::uint64_t sign_in) = 0;
   /// If its client may do less by the configuration than before.
   virtual void end_if_it_lost_rights() = 0;
   /// If nothing has been asked by it for a while; not if something turns, or is leased, until it
@@ -44,6 +48,9 @@ class HttpConnections {
       : gateway(std::move(of)),
         share(std::move(with)),
         handshakes(executor),
+        page(PageFiles::load(
+            config.page.empty() ? PageFiles::usual_folder() : config.page,
+            [this](LogLevel level, std::string_view line) { gateway->log(level, line); })),
         config_(std::move(config)),
         most_(most) {}
 
@@ -59,11 +66,19 @@ class HttpConnections {
 
   Result<HttpEntry> admit(const HttpHead& head, const HttpConnectionInfo& info) const;
   /// The client that was let in so, and what it may do now.
-  Caller caller_by(std::string_view token) const;
+  Caller caller_by(std::string_view token, std::uint64_t sign_in) const;
+
+  /// What the cookie has from then on.
+  std::string sign_in(const std::string& token);
+  /// Ends all connections that it let in but the one of this id.
+  void sign_out(std::uint64_t sign_in, std::uint64_t but = 0);
+  void end_what_has_expired();
+  void end_by_token(const std::string& token);
 
   std::shared_ptr<Gateway> gateway;
   std::shared_ptr<FrontShare> share;
   Handshakes handshakes;
+  PageFiles page;
 
  private:
   HttpConfig config_;
@@ -76,6 +91,7 @@ class HttpConnections {
   };
   std::deque<Unknown>::iterator oldest_of_the_most();
 
+  SignIns sign_ins_;
   std::deque<Unknown> unknown_;  ///< Of those that no client was let in by; oldest first.
 };
 

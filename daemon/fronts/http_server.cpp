@@ -80,7 +80,7 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
   void start() override {
     if (!tls_.age_problem.empty()) connections_->gateway->log(LogLevel::warning, tls_.age_problem);
     connections_->share->tokens->on_removed([weak = weak_from_this()](const std::string& token) {
-      if (const auto self = weak.lock()) self->end_by_token(token);
+      if (const auto self = weak.lock()) self->connections_->end_by_token(token);
     });
     for (auto& acceptor : acceptors_) spawn(executor_, accept(shared_from_this(), acceptor));
     spawn(executor_, end_idle_connections(shared_from_this()));
@@ -128,6 +128,7 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
     const auto& clock = self->connections_->gateway->clock();
     while (std::ranges::any_of(self->acceptors_, &Tcp::acceptor::is_open)) {
       co_await rest(idle_look_interval);
+      self->connections_->end_what_has_expired();
       for (const auto& connection : self->connections_->all()) connection->end_if_idle(clock.now());
     }
   }
@@ -156,10 +157,6 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
     for (const auto& [option, value] :
          Seconds{{{TCP_KEEPIDLE, 15}, {TCP_KEEPINTVL, 5}, {TCP_KEEPCNT, 3}}})
       ::setsockopt(socket.native_handle(), IPPROTO_TCP, option, &value, sizeof value);
-  }
-
-  void end_by_token(const std::string& name) {
-    for (const auto& connection : connections_->all()) connection->end_if_by_token(name);
   }
 
   asio::any_io_executor executor_;

@@ -1,4 +1,5 @@
 // tmcld by HTTP and WebSocket: real programs, real sockets, and clients that behave badly.
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -236,6 +237,89 @@ TEST_F(TmcldHttp, SaysBeforeItStartsWhatIsWrongWithItsCertificate) {
 }
 
 /// tmclctl by URL: what it says, standard error too, and how it ends.
+// ---- the page ----------------------------------------------------------------------------------
+
+class TmcldHttpPage : public TmcldHttp {
+ protected:
+  void start_with_page() {
+    std::ofstream(path("secret.html")) << "secret";
+    std::filesystem::create_directories(path("page/assets"));
+    std::ofstream(path("page/index.html")) << "<p>the page</p>";
+    std::ofstream(path("page/index.html.br")) << "small";
+    std::ofstream(path("page/assets/a-1234.js")) << "a()";
+    start("page = \"" + path("page") + "\"\n");
+  }
+  /// Head and body.
+  std::string curl(const std::string& words) {
+    return shell("curl -s -i --path-as-is " + words + " | tr -d '\\r'");
+  }
+  std::string url(const std::string& target) const { return "http://localhost:" + port + target; }
+};
+
+TEST_F(TmcldHttpPage, IsServedToEverybodyUnderItsPolicy) {
+  start_with_page();
+  EXPECT_THAT(
+      curl(url("/")),
+      AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("default-src 'none'; script-src 'self'"),
+            HasSubstr("frame-ancestors 'none'"), HasSubstr("X-Content-Type-Options: nosniff"),
+            HasSubstr("Cache-Control: no-cache"), HasSubstr("text/html; charset=utf-8"),
+            HasSubstr("<p>the page</p>")));
+  EXPECT_THAT(curl(url("/assets/a-1234.js")),
+              AllOf(HasSubstr("max-age=31536000, immutable"), HasSubstr("a()")));
+  EXPECT_THAT(curl("-H 'Accept-Encoding: gzip, br' " + url("/")),
+              AllOf(HasSubstr("Content-Encoding: br"), HasSubstr("Vary: Accept-Encoding"),
+                    HasSubstr("small")));
+}
+
+TEST_F(TmcldHttpPage, IsReadOnlyAndNothingElseIs) {
+  start_with_page();
+  EXPECT_THAT(curl("-I " + url("/")),
+              AllOf(HasSubstr("Content-Length: 15"), testing::Not(HasSubstr("<p>the page</p>"))));
+  for (const auto* method : {"POST", "PUT", "DELETE", "OPTIONS", "TRACE"})
+    EXPECT_THAT(curl(std::string("-X ") + method + " " + url("/")), StartsWith("HTTP/1.1 405"));
+  EXPECT_THAT(curl("-X GET -d body " + url("/")), StartsWith("HTTP/1.1 400"));
+  for (const auto* target : {"/../secret.html", "/assets/../../secret.html", "/%2e%2e/secret.html",
+                             "/assets", "//secret.html", "/index.html.br"})
+    EXPECT_THAT(curl(url(target)), StartsWith("HTTP/1.1 404")) << target;
+}
+
+TEST_F(TmcldHttpPage, IsNotSentAgainToABrowserThatHasIt) {
+  start_with_page();
+  const auto said = curl(url("/"));
+  const std::string_view field = "ETag: ";
+  const auto at = said.find(field) + field.size();
+  const auto tag = said.substr(at, said.find('\n', at) - at);
+  EXPECT_THAT(curl("-H 'If-None-Match: " + tag + "' " + url("/")),
+              AllOf(StartsWith("HTTP/1.1 304"), testing::Not(HasSubstr("<p>"))));
+  EXPECT_THAT(curl("-H 'If-None-Match: W/\"other\"' " + url("/")), StartsWith("HTTP/1.1 200"));
+}
+
+TEST_F(TmcldHttpPage, SignsABrowserInOnceForAllOfItsRequests) {
+  start("");
+  const auto token = make_token("observe", "guest");
+  const auto jar = "-b " + path("jar") + " -c " + path("jar") + " ";
+  EXPECT_THAT(curl(jar + url("/session")), StartsWith("HTTP/1.1 401"));
+  EXPECT_THAT(curl(jar + "-X POST -H 'Authorization: Bearer " + token + "' " + url("/session")),
+              AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("HttpOnly; SameSite=Strict\n")));
+  const std::string who = R"({"role":"observe","token":"guest","signed_in":true})";
+  EXPECT_THAT(curl(jar + url("/session")), HasSubstr(who));
+  EXPECT_THAT(curl(jar + "-H 'Origin: http://localhost:1' " + url("/session")),
+              AllOf(StartsWith("HTTP/1.1 403"), HasSubstr("foreign_origin")));
+  EXPECT_THAT(curl(jar + url("/metrics")), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(curl(jar + "-X DELETE " + url("/session")), StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(curl(jar + url("/session")),
+              AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("no_token")));
+}
+
+TEST_F(TmcldHttpPage, HasACookieForTlsAlone) {
+  make_certificate();
+  start(tls_keys());
+  const auto token = make_token("observe", "guest");
+  EXPECT_THAT(curl("--cacert " + path("cert.pem") + " -X POST -H 'Authorization: Bearer " + token +
+                   "' " + https() + "/session"),
+              AllOf(HasSubstr("Set-Cookie: __Host-tmcl-" + port + "="), HasSubstr("; Secure")));
+}
+
 struct ByUrl {
   int status;
   std::string output;

@@ -125,6 +125,20 @@ TEST_F(HttpAdmission, TakesACallAsJsonOnly) {
   }
 }
 
+TEST_F(HttpAdmission, DoesNotFallBackToNoTokenForACookieThatHasEnded) {
+  head.cookies = "a=b; tmcl-4143=0123";
+  EXPECT_EQ(refusal(), 401U);
+  head.cookies = "a=b";
+  EXPECT_EQ(refusal(), 0U);
+}
+
+TEST_F(HttpAdmission, NamesTheCookieOfATlsPortSoThatNoOtherHostSetsIt) {
+  head.cookies = "tmcl-4143=1; __Host-tmcl-4143=2; __Host-tmcl-4144=3";
+  EXPECT_EQ(cookie_of(head, connection), "1");
+  connection.has_tls = true;
+  EXPECT_EQ(cookie_of(head, connection), "2");
+}
+
 TEST_F(HttpAdmission, SaysWhatIsWhere) {
   head.method = "GET";
   EXPECT_EQ(refusal(), 405U);

@@ -122,7 +122,8 @@ TEST_F(HttpClient, IsAnsweredOnceWhateverStandsInTheBodyOfARequest) {
       "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n";
   for (const auto* line : {"GET /healthz", "GET /metrics", "GET /ws", "GET /rpc", "GET /nothing",
                            "POST /healthz", "POST /metrics", "PUT /rpc", "OPTIONS /rpc",
-                           "HEAD /healthz", "DELETE /metrics", "GET /healthz?x"}) {
+                           "HEAD /healthz", "DELETE /metrics", "GET /healthz?x", "GET /", "HEAD /",
+                           "POST /", "GET /session", "POST /session", "DELETE /session"}) {
     for (const auto& with : {sized, chunked}) {
       said.clear();
       connect();
@@ -213,6 +214,126 @@ TEST_F(HttpRoles, EndWhatIsWaitingToBeSent) {
   bench.wire.release();
   work(1s);
   EXPECT_EQ(bench.wire.count(Command::MVP), 0U);
+}
+
+// ---- a browser that has signed in --------------------------------------------------------------
+
+class HttpSignIn : public HttpClient {
+ protected:
+  HttpSignIn() {
+    HttpConfig config;
+    connections = std::make_shared<HttpConnections>(executor(), gateway(), share, config, 16);
+    connect();
+  }
+  /// The cookie; empty if it was refused.
+  std::string sign_in(const std::string& token) {
+    ask(head_of("POST /session", "Authorization: Bearer " + token + "\r\n\r\n"));
+    const std::string_view field = "Set-Cookie: ";
+    const auto at = said.find(field);
+    if (at == std::string::npos) return {};
+    const auto begin = at + field.size();
+    return said.substr(begin, said.find(';', begin) - begin);
+  }
+  static std::string with(const std::string& cookie) { return "Cookie: " + cookie + "\r\n"; }
+  std::string sign_out(const std::string& cookie) {
+    connect();
+    return ask(head_of("DELETE /session", with(cookie) + "\r\n"));
+  }
+};
+
+TEST_F(HttpSignIn, GivesACookieThatIsNotTheTokenAndThatNoScriptReads) {
+  const auto token = share->tokens->add("bench", Role::operate);
+  const auto cookie = sign_in(token);
+  EXPECT_THAT(said, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("\"role\":\"operate\""),
+                          HasSubstr("; HttpOnly; SameSite=Strict")));
+  EXPECT_THAT(cookie, AllOf(StartsWith("tmcl-4143="), testing::Not(HasSubstr(token.substr(5)))));
+  EXPECT_THAT(ask(move(with(cookie))), HasSubstr("\"result\""));
+  EXPECT_NE(sign_in(token), cookie);
+}
+
+TEST_F(HttpSignIn, NeedsATokenInItsHead) {
+  EXPECT_EQ(sign_in("tmcl_0"), "");
+  EXPECT_THAT(said, AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("unknown_token")));
+  const auto cookie = (connect(), sign_in(share->tokens->add("bench", Role::operate)));
+  connect();
+  EXPECT_THAT(ask(head_of("POST /session", with(cookie) + "\r\n")),
+              AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("no_token")));
+}
+
+TEST_F(HttpSignIn, HasTheRoleOfItsToken) {
+  const auto cookie = sign_in(share->tokens->add("guest", Role::observe));
+  EXPECT_THAT(ask(move(with(cookie))), HasSubstr("not_permitted"));
+  EXPECT_THAT(ask(call("axis.stop", R"({"axis":"x"})", with(cookie))), HasSubstr("\"result\""));
+}
+
+TEST_F(HttpSignIn, IsNotForPagesOfOthers) {
+  const auto cookie = sign_in(share->tokens->add("bench", Role::operate));
+  for (const auto* origin : {"http://localhost:8080", "http://evil.example", "null"}) {
+    connect();
+    EXPECT_THAT(ask(move(with(cookie) + "Origin: " + origin + "\r\n")),
+                AllOf(StartsWith("HTTP/1.1 403"), HasSubstr("foreign_origin")))
+        << origin;
+  }
+  connect();
+  EXPECT_THAT(ask(move(with(cookie) + "Origin: http://localhost:4143\r\n")),
+              HasSubstr("\"result\""));
+}
+
+TEST_F(HttpSignIn, TakesNoCookieThatItHasNotGiven) {
+  sign_in(share->tokens->add("bench", Role::operate));
+  for (const auto* bad : {"tmcl-4143=0", "tmcl-4143=", "tmcl-4144=0", "a=b", "tmcl-4143", ";;="}) {
+    connect();
+    EXPECT_THAT(ask(move(with(bad))), StartsWith("HTTP/1.1 401")) << bad;
+  }
+  connect();
+  EXPECT_THAT(ask(move("Cookie: a=b\r\nCookie: c=d\r\n")), HasSubstr("bad_head"));
+}
+
+TEST_F(HttpSignIn, EndsWithItsToken) {
+  const auto cookie = sign_in(share->tokens->add("bench", Role::operate));
+  share->tokens->on_removed([this](const auto& name) { connections->end_by_token(name); });
+  share->tokens->remove("bench");
+  share->tokens->add("bench", Role::configure);
+  connect();
+  EXPECT_THAT(ask(move(with(cookie))), HasSubstr("sign_in_ended"));
+}
+
+TEST_F(HttpSignIn, EndsWithItsDay) {
+  const auto cookie = sign_in(share->tokens->add("bench", Role::operate));
+  ask(call("axis.rotate", R"({"axis":"x","velocity_internal":100})", with(cookie)));
+  bench.time.run_for(time_signed_in);
+  connections->end_what_has_expired();
+  work_until_closed();
+  EXPECT_GE(bench.wire.count(Command::MST), 1U) << "what it has let turn";
+  connect();
+  EXPECT_THAT(ask(move(with(cookie))), HasSubstr("sign_in_ended"));
+}
+
+TEST_F(HttpSignIn, EndsWithASignOut) {
+  const auto token = share->tokens->add("bench", Role::operate);
+  const auto cookie = sign_in(token);
+  const auto other = sign_in(token);
+  EXPECT_THAT(sign_out(cookie), AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("tmcl-4143=; Path=/; "
+                                                                            "Max-Age=0")));
+  connect();
+  EXPECT_THAT(ask(move(with(cookie))), HasSubstr("sign_in_ended"));
+  EXPECT_THAT(sign_out(cookie), StartsWith("HTTP/1.1 200")) << "so that the cookie goes";
+  connect();
+  EXPECT_THAT(ask(move(with(other))), HasSubstr("\"result\""));
+}
+
+TEST_F(HttpSignIn, GivesWayToTheNextOnesOfItsToken) {
+  SignIns all;
+  const auto now = tmcl::TimePoint{};
+  const auto other = all.add("other", now);
+  const auto first = all.add("bench", now);
+  for (std::size_t i = 1; i < most_sign_ins_of_a_token; ++i) all.add("bench", now);
+  EXPECT_TRUE(all.of_secret(first, now));
+  const auto last = all.add("bench", now);
+  EXPECT_FALSE(all.of_secret(first, now));
+  EXPECT_TRUE(all.of_secret(last, now));
+  EXPECT_TRUE(all.of_secret(other, now));
+  EXPECT_FALSE(all.of_secret("", now));
 }
 
 // ---- when it ends ------------------------------------------------------------------------------

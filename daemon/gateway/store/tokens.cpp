@@ -1,19 +1,15 @@
 #include "gateway/store/tokens.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <utility>
-
-#include <openssl/evp.h>
 
 #include <boost/json/parse.hpp>
 #include <boost/json/value_to.hpp>
 
 #include "async/elsewhere.hpp"
-#include "gateway/store/random_bytes.hpp"
+#include "gateway/store/secret.hpp"
 #include "gateway/store/state_file.hpp"
 #include "tmcl/json_text.hpp"
 #include "tmcl/utc_text.hpp"
@@ -25,33 +21,6 @@ namespace json = boost::json;
 
 // So that scanners for lost secrets, and people, know what it is.
 constexpr std::string_view prefix = "tmcl_";
-constexpr std::size_t secret_bytes = 32;
-
-template <std::size_t size>
-std::string hexadecimal(const std::array<unsigned char, size>& bytes, std::size_t count) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  for (std::size_t i = 0; i < count; ++i) {
-    text += digits[bytes[i] >> 4U];
-    text += digits[bytes[i] & 0x0FU];
-  }
-  return text;
-}
-
-/// Of 256 random bits: they are not found by trying, so that no salt and no slow hash is needed.
-std::string hash_of(std::string_view secret) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
-  unsigned size = 0;
-  if (EVP_Digest(secret.data(), secret.size(), bytes.data(), &size, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("SHA-256 cannot be computed");
-  return hexadecimal(bytes, size);
-}
-
-std::string new_secret() {
-  std::array<unsigned char, secret_bytes> bytes{};
-  fill_with_random_bytes(bytes);
-  return std::string(prefix) + hexadecimal(bytes, bytes.size());
-}
 
 std::optional<Role> role_named(std::string_view name) {
   const auto found = std::ranges::find(role_names, name);
@@ -133,7 +102,7 @@ bool Tokens::is_name(std::string_view name) {
 }
 
 std::string Tokens::add(std::string name, Role role) {
-  auto secret = new_secret();
+  auto secret = std::string(prefix) + new_secret();
   all_.push_back(
       {std::move(name), role, tmcl::to_text(tmcl::RealClock::utc(), 0), hash_of(secret)});
   return secret;
