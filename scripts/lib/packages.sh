@@ -36,6 +36,7 @@ libbenchmark-dev|benchmarks
 iproute2|sets CAN interfaces up
 can-utils|cansend and candump, which tests compare with
 curl|calls tmcld by HTTP, as docs/PROTOCOL.md shows
+chromium|a browser, which the page of tmcld is tested in
 openssl|makes certificates for tests
 socat|joins and cuts serial lines
 zsh|its completion of tmclctl
@@ -50,6 +51,11 @@ python3-setuptools|makes the wheel of that package
 python3-wheel|makes the wheel of that package
 python3-venv|a place for that package and its tests
 python3-pytest|the plugin of that package
+'
+
+packages_page='
+nodejs|builds the page that tmcld shows a browser
+npm|gets what that page is made with
 '
 
 packages_vm='
@@ -106,6 +112,11 @@ packages_of() {
 }
 
 _packages_installed() {
+  # Node is often there from elsewhere: what counts is that it can be called, and Debian's npm may not go with it.
+  case $1 in
+    nodejs) ! command -v node >/dev/null || return 0 ;;
+    npm) ! command -v npm >/dev/null || return 0 ;;
+  esac
   [[ $(dpkg-query -W -f='${db:Status-Status}\n' "$1" 2>/dev/null | head -n1) == installed ]]
 }
 

@@ -1,0 +1,9 @@
+import { render } from "preact";
+import { watchAxes } from "./bench";
+import { findOutWho } from "./access";
+import { App } from "./view/app";
+import "./style.css";
+
+render(<App />, document.getElementById("page")!);
+watchAxes();
+void findOutWho();

@@ -1,0 +1,35 @@
+import { access, may, signOut } from "../access";
+import { axes, isConnected } from "../bench";
+import { texts } from "../texts";
+import { AxisCard } from "./axis_card";
+import { JogSettings } from "./jog_buttons";
+import { SignIn } from "./sign_in";
+import { StopAll } from "./stop_all_button";
+
+export function App() {
+  const now = access.value;
+  if (now.is === "unknown") return <p class="notice">{texts.asking}</p>;
+  if (now.is === "out") return <SignIn why={now.why} />;
+  return (
+    <>
+      <header>
+        <h1>{texts.title}</h1>
+        {now.is === "in" && <span class="who">{texts.as(now.token, now.role)}</span>}
+        {now.is === "in" && now.signedIn && <button onClick={() => void signOut()}>{texts.signOut}</button>}
+        {now.is === "ended" && <button onClick={() => void signOut()}>{texts.signInAgain}</button>}
+        <StopAll />
+      </header>
+      <main class={isConnected.value ? "" : "stale"}>
+        {!isConnected.value && may("subscribe") && <p class="notice" role="status">{texts.connecting}</p>}
+        {now.is === "in" && !may("subscribe") && <p class="notice">{texts.mayOnlyStop}</p>}
+        <JogSettings />
+        {isConnected.value && axes.value.length === 0 && <p class="notice">{texts.noAxes}</p>}
+        <div class="cards">
+          {axes.value.map((axis) => (
+            <AxisCard key={axis.info.name} axis={axis} />
+          ))}
+        </div>
+      </main>
+    </>
+  );
+}

@@ -1,0 +1,48 @@
+// Makes the page: names with a hash of the content in assets/, and each file compressed beside itself, as tmcld serves it.
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { brotliCompressSync, gzipSync } from "node:zlib";
+import { defineConfig } from "vite";
+
+const compressible = /\.(html|js|css|svg|webmanifest)$/;
+
+function filesIn(folder) {
+  return readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {
+    const path = join(folder, entry.name);
+    return entry.isDirectory() ? filesIn(path) : [path];
+  });
+}
+
+function compressed() {
+  let folder;
+  return {
+    name: "compressed",
+    configResolved: (config) => {
+      folder = config.build.outDir;
+    },
+    closeBundle() {
+      let total = 0;
+      for (const path of filesIn(folder).filter((one) => compressible.test(one))) {
+        const plain = readFileSync(path);
+        const gzip = gzipSync(plain, { level: 9 });
+        const brotli = brotliCompressSync(plain);
+        writeFileSync(`${path}.gz`, gzip);
+        writeFileSync(`${path}.br`, brotli);
+        total += gzip.length;
+      }
+      console.log(`compressed with gzip: ${(total / 1000).toFixed(1)} kB in all`);
+    },
+  };
+}
+
+export default defineConfig({
+  esbuild: { jsx: "automatic", jsxImportSource: "preact" },
+  build: {
+    outDir: process.env.TMCL_PAGE_FOLDER,
+    emptyOutDir: true,
+    // The page may not load what is written into an address.
+    assetsInlineLimit: 0,
+    modulePreload: { polyfill: false },
+  },
+  plugins: [compressed()],
+});
