@@ -1,0 +1,184 @@
+// What every test of the page needs: simulated modules, a tmcld on them, and a browser that looks at its page.
+import { spawn } from "node:child_process";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { createConnection, createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const programs = process.env.TMCL_BIN;
+// Generous: a busy machine is slow. Nothing waits for the whole of it.
+export const patience = 60_000;
+
+/** Waits until the condition holds; `what` says what is missing if it never does. */
+export async function until(what, condition) {
+  const ends = Date.now() + patience;
+  for (;;) {
+    const value = await condition();
+    if (value) return value;
+    if (Date.now() > ends) throw new Error(`has not come about: ${what}`);
+    await new Promise((done) => setTimeout(done, 20));
+  }
+}
+
+class Program {
+  constructor(name, ...words) {
+    this.output = "";
+    this.process = spawn(join(programs, name), words);
+    for (const stream of [this.process.stdout, this.process.stderr]) stream.on("data", (text) => (this.output += text));
+    this.ended = new Promise((done) => this.process.on("exit", done));
+  }
+  says(text) {
+    return until(`'${text}' of ${this.process.spawnfile}: ${this.output}`, () => this.output.includes(text));
+  }
+  async end(signal = "SIGTERM") {
+    this.process.kill(signal);
+    await this.ended;
+  }
+}
+
+async function freePort() {
+  const server = createServer().listen(0, "127.0.0.1");
+  await new Promise((done) => server.on("listening", done));
+  const { port } = server.address();
+  await new Promise((done) => server.close(done));
+  return port;
+}
+
+const axis = (name, motor) => `[[axis]]
+name = "${name}"
+bus = "bench"
+address = 1
+motor = ${motor}
+unit = "mm"
+units_per_revolution = 8.0
+soft_limits = [-200.0, 200.0]
+max_velocity = 20
+`;
+
+/** A TMCM-3110 with the axes x, y and z of 8 mm a turn. */
+export class Bench {
+  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2) } = {}) {
+    const bench = new Bench();
+    bench.folder = await mkdtemp(join(tmpdir(), "tmcl-page-"));
+    bench.socket = join(bench.folder, "socket");
+    bench.port = await freePort();
+    const link = join(bench.folder, "bus");
+    bench.simulator = new Program("tmclsim", "--module", "TMCM-3110", "--pty", link);
+    await bench.simulator.says("ready");
+    await writeFile(
+      join(bench.folder, "tmcld.toml"),
+      `[daemon]\nsocket = "${bench.socket}"\n[http]\nlisten = ["127.0.0.1:${bench.port}"]\n${keys}\n` +
+        `[[bus]]\nname = "bench"\nlink = "serial:${link}@115200"\nreply_timeout_ms = 1000\n${axes}`,
+    );
+    await bench.startDaemon();
+    return bench;
+  }
+
+  async startDaemon() {
+    this.daemon = new Program("tmcld", "--config", join(this.folder, "tmcld.toml"));
+    await this.daemon.says("module_answers (module 1)");
+  }
+
+  get url() {
+    return `http://localhost:${this.port}`;
+  }
+
+  /** A call on the socket of the daemon: each is another client. */
+  call(method, params = {}) {
+    return new Promise((resolve, reject) => {
+      const connection = createConnection(this.socket);
+      let text = "";
+      connection.on("error", reject);
+      connection.on("data", (data) => {
+        text += data;
+        const lines = text.split("\n");
+        if (lines.length < 3) return; // the greeting, the answer, and nothing
+        connection.destroy();
+        const { result, error } = JSON.parse(lines[1]);
+        if (error) reject(new Error(error.message));
+        else resolve(result);
+      });
+      connection.write(JSON.stringify({ jsonrpc: "2.0", id: 1, method, params }) + "\n");
+    });
+  }
+  state(name) {
+    return this.call("axis.get_state", { axis: name });
+  }
+  async token(role, name) {
+    return (await this.call("token.add", { role, name })).token;
+  }
+  moves(name) {
+    return until(`${name} moves`, async () => (await this.state(name)).moving);
+  }
+  stands(name) {
+    return until(`${name} stands`, async () => !(await this.state(name)).moving);
+  }
+
+  async end() {
+    await this.daemon.end();
+    await this.simulator.end();
+    await rm(this.folder, { recursive: true });
+  }
+}
+
+/** Between a browser and tmcld; what is cut carries nothing any more, and says nothing. */
+export class Cable {
+  #sockets = [];
+
+  static async to(port) {
+    const cable = new Cable();
+    cable.server = createServer((near) => {
+      const far = createConnection(port, "127.0.0.1");
+      for (const socket of [near, far]) {
+        cable.#sockets.push(socket);
+        socket.on("error", () => {});
+      }
+      near.pipe(far).pipe(near);
+      if (cable.isCut) cable.cut();
+    }).listen(0, "127.0.0.1");
+    await new Promise((done) => cable.server.on("listening", done));
+    cable.url = `http://localhost:${cable.server.address().port}`;
+    return cable;
+  }
+  cut() {
+    this.isCut = true;
+    for (const socket of this.#sockets) socket.unpipe().pause();
+  }
+  end() {
+    for (const socket of this.#sockets) socket.destroy();
+    this.server.close();
+  }
+}
+
+let browser;
+
+/** A page in a browser of its own: no other page has its cookies. What it complains of is in `page.complaints`. */
+export async function open(url, options = {}) {
+  browser ??= await chromium.launch({ executablePath: process.env.TMCL_CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox"] });
+  const context = await browser.newContext(options);
+  const page = await context.newPage();
+  page.setDefaultTimeout(patience);
+  page.complaints = [];
+  page.on("pageerror", (error) => page.complaints.push(String(error)));
+  page.on("console", (message) => {
+    if (/Content Security Policy/.test(message.text())) page.complaints.push(message.text());
+  });
+  await page.goto(url);
+  return page;
+}
+
+export const closeBrowser = () => browser?.close();
+
+export const card = (page, name) => page.locator(`[data-axis=${JSON.stringify(name)}]`);
+export const button = (within, name) => within.getByRole("button", { name, exact: true });
+
+export async function signIn(page, token) {
+  await page.getByLabel("Token").fill(token);
+  await button(page, "Sign in").click();
+}
+
+export async function move(page, name, to) {
+  await card(page, name).getByRole("textbox").fill(to);
+  await button(card(page, name), "Move").click();
+}

@@ -1,0 +1,322 @@
+// The page as people use it: a browser, a tmcld, and simulated modules.
+import assert from "node:assert/strict";
+import { after, afterEach, beforeEach, describe, it } from "node:test";
+import { Bench, Cable, button, card, closeBrowser, move, open, signIn, until } from "./bench.mjs";
+
+let bench;
+after(closeBrowser);
+afterEach(() => bench.end());
+
+describe("a page that needs no token", () => {
+  let page;
+  beforeEach(async () => {
+    bench = await Bench.create();
+    page = await open(bench.url);
+  });
+  afterEach(async () => {
+    assert.deepEqual(page.complaints, []);
+    await page.context().close();
+  });
+
+  it("shows the axes, and moves one", async () => {
+    await move(page, "x", "12.5");
+    await card(page, "x").getByText("Arrives in").waitFor();
+    await card(page, "x").getByText("12.5 mm").first().waitFor();
+    await bench.stands("x");
+    assert.equal((await bench.state("x")).target, 12.5);
+    await card(page, "x").getByText("Arrives in").waitFor({ state: "detached" });
+  });
+
+  it("says what was wrong with a wish", async () => {
+    await move(page, "x", "far away");
+    await card(page, "x").getByRole("alert").waitFor();
+    await move(page, "x", "500");
+    await card(page, "x").getByText(/soft limit/).waitFor();
+    assert.equal((await bench.state("x")).target, 0);
+  });
+
+  for (const [how, press] of [
+    ["button", (page) => button(page, "Stop all").click()],
+    ["space bar", (page) => page.keyboard.press("Space")],
+    ["space bar, with the focus in a field", (page) => card(page, "y").getByRole("textbox").press("Space")],
+    ["space bar, with the focus on a button", (page) => button(card(page, "y"), "Move").press("Space")],
+  ]) {
+    it(`stops all by the ${how}, and says when every axis stood`, async () => {
+      for (const name of ["x", "y", "z"]) await move(page, name, "150");
+      for (const name of ["x", "y", "z"]) await bench.moves(name);
+      await press(page);
+      await page.getByText("All stand: x, y, z").waitFor();
+      for (const name of ["x", "y", "z"]) {
+        const state = await bench.state(name);
+        assert.equal(state.moving, false);
+        assert.notEqual(state.position, 150);
+      }
+    });
+  }
+
+  it("says in red which axis did not stop", async () => {
+    await bench.state("x");
+    await bench.simulator.process.kill("SIGSTOP");
+    await button(page, "Stop all").click();
+    await page.getByText(/did not stop/).first().waitFor();
+    await bench.simulator.process.kill("SIGCONT");
+    await page.getByText(/All stand/).waitFor();
+  });
+
+  it("stops all while its other scripts hang", async () => {
+    await move(page, "x", "150");
+    await bench.moves("x");
+    const other = await open(bench.url);
+    await button(other, "Stop all").waitFor();
+    const blocked = page.evaluate(() => {
+      const ends = Date.now() + 3000;
+      while (Date.now() < ends);
+    });
+    await other.keyboard.press("Space");
+    await bench.stands("x");
+    await blocked;
+    await other.context().close();
+  });
+
+  it("makes a step when a jog button is tapped", async () => {
+    await page.getByLabel("10", { exact: true }).check();
+    await page.getByRole("button", { name: /^x by \+10 mm/ }).click();
+    await until("the target", async () => (await bench.state("x")).target === 10);
+    await bench.stands("x");
+  });
+
+  it("tells the numbers that tmclctl tells", async () => {
+    await bench.call("axis.move_to", { axis: "z", position: -3.25 });
+    await card(page, "z").getByText("-3.25 mm").first().waitFor();
+    await bench.stands("z");
+  });
+
+  it("lets a module that has started again move when a person has looked", async () => {
+    await bench.call("module.reset", { bus: "bench", address: 1 });
+    await button(card(page, "x"), "Recover").click();
+    await until("the latch is open", async () => !(await bench.state("x")).latched);
+  });
+
+  it("comes back by itself when tmcld does", async () => {
+    await button(page, "Stop all").waitFor();
+    await bench.daemon.end();
+    await page.getByText("Connecting ...").waitFor();
+    await bench.startDaemon();
+    await page.getByText("Connecting ...").waitFor({ state: "detached" });
+    await move(page, "x", "3");
+    await until("the target", async () => (await bench.state("x")).target === 3);
+  });
+
+  it("says that the connection is lost when tmcld stands still", async () => {
+    await button(page, "Stop all").waitFor();
+    bench.daemon.process.kill("SIGSTOP");
+    await page.getByText("Connecting ...").waitFor();
+    bench.daemon.process.kill("SIGCONT");
+    await page.getByText("Connecting ...").waitFor({ state: "detached" });
+  });
+
+  it("goes on a phone without scrolling sideways", async () => {
+    await page.setViewportSize({ width: 360, height: 640 });
+    await card(page, "x").waitFor();
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
+    assert.ok(await button(page, "Stop all").isVisible());
+  });
+});
+
+describe("a jog", () => {
+  let page, cable;
+  beforeEach(async () => {
+    bench = await Bench.create({ keys: "" });
+    cable = await Cable.to(bench.port);
+    page = await open(cable.url);
+    await signIn(page, await bench.token("operate", "lab"));
+    const jog = page.getByRole("button", { name: /^x by \+/ });
+    await jog.scrollIntoViewIfNeeded();
+    const box = await jog.boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await bench.moves("x");
+  });
+  afterEach(() => cable.end());
+  const hasEnded = async () => {
+    await bench.stands("x");
+    await until("its lease is given back", async () => (await bench.state("x")).lease === null);
+    const { position } = await bench.state("x");
+    assert.ok(position > 0 && position < 200);
+  };
+
+  it("goes on for as long as the button is held", async () => {
+    await until("a long way", async () => (await bench.state("x")).position > 5);
+    assert.ok((await bench.state("x")).moving);
+    await page.mouse.up();
+    await hasEnded();
+    await page.context().close();
+  });
+
+  it("ends when the page is closed", async () => {
+    await page.context().close();
+    await hasEnded();
+  });
+
+  it("ends when the network is gone", async () => {
+    cable.cut();
+    await hasEnded();
+    await page.getByText("Connecting ...").waitFor();
+    await page.context().close();
+  });
+
+  it("ends when its tab stands still", async () => {
+    const session = await page.context().newCDPSession(page);
+    await session.send("Debugger.enable");
+    await session.send("Debugger.pause");
+    await hasEnded();
+    await session.send("Debugger.resume").catch(() => {});
+    await page.context().close();
+  });
+
+  it("ends when the browser loses the window", async () => {
+    await page.evaluate(() => window.dispatchEvent(new Event("blur")));
+    await hasEnded();
+    await page.context().close();
+  });
+
+  it("ends when its tab is hidden", async () => {
+    await page.evaluate(() => document.dispatchEvent(new Event("visibilitychange", { bubbles: true })));
+    await hasEnded();
+    await page.context().close();
+  });
+
+  it("ends when tmcld is killed", async () => {
+    await bench.daemon.end("SIGKILL");
+    await page.context().close();
+    await bench.startDaemon();
+    await hasEnded();
+  });
+});
+
+describe("who is who", () => {
+  beforeEach(async () => {
+    bench = await Bench.create({ keys: "" });
+  });
+
+  it("may stop where it has no role", async () => {
+    await bench.end();
+    bench = await Bench.create({ keys: 'loopback_without_token = true\n[[access]]\nrole = "configure"\nusers = ["root"]' });
+    const page = await open(bench.url);
+    await page.getByText(/may stop axes, and nothing else/).waitFor();
+    assert.deepEqual(await page.getByRole("button").allTextContents(), ["Stop all"]);
+    await bench.call("axis.move_to", { axis: "x", position: 150 });
+    await bench.moves("x");
+    await page.keyboard.press("Space");
+    await bench.stands("x");
+    await page.context().close();
+  });
+
+  it("has no button before the sign-in, and takes no wrong token", async () => {
+    const page = await open(bench.url);
+    await page.getByLabel("Token").waitFor();
+    assert.equal(await button(page, "Stop all").count(), 0);
+    await signIn(page, "tmcl_0");
+    await page.getByText(/there is no such token/).waitFor();
+    await signIn(page, await bench.token("operate", "lab"));
+    await move(page, "x", "4");
+    await until("the target", async () => (await bench.state("x")).target === 4);
+    await page.reload();
+    await card(page, "x").waitFor();
+    assert.equal(await page.evaluate(() => document.cookie), "");
+    await button(page, "Sign out").click();
+    await page.getByLabel("Token").waitFor();
+    await page.context().close();
+  });
+
+  it("offers a guest to look and to stop, and nothing else", async () => {
+    const page = await open(bench.url);
+    await signIn(page, await bench.token("observe", "guest"));
+    await card(page, "x").getByText("0 mm").first().waitFor();
+    const offered = await page.getByRole("button").allTextContents();
+    assert.deepEqual(offered, ["Sign out", "Stop all", "Stop", "Stop", "Stop"]);
+    assert.equal(await page.getByRole("textbox").count(), 0);
+    await bench.call("axis.move_to", { axis: "x", position: 150 });
+    await bench.moves("x");
+    await page.keyboard.press("Space");
+    await bench.stands("x");
+    await page.context().close();
+  });
+
+  it("turns the button grey, with the reason, when the token is revoked", async () => {
+    const page = await open(bench.url);
+    await signIn(page, await bench.token("operate", "lab"));
+    await card(page, "x").waitFor();
+    await bench.call("token.revoke", { name: "lab" });
+    await page.getByText(/This page may do nothing any more: the sign-in has ended/).waitFor();
+    assert.ok(await button(page, "Stop all").isDisabled());
+    await button(page, "Sign in again").click();
+    await page.getByLabel("Token").waitFor();
+    await page.context().close();
+  });
+
+  it("finds out by the press itself that the sign-in has ended", async () => {
+    const page = await open(bench.url);
+    await signIn(page, await bench.token("operate", "lab"));
+    await card(page, "x").waitFor();
+    await page.context().clearCookies();
+    await page.keyboard.press("Space");
+    await page.getByText(/This page may do nothing any more/).waitFor();
+    await page.context().close();
+  });
+
+  it("takes no cookie of a page from elsewhere", async () => {
+    const page = await open(bench.url);
+    await signIn(page, await bench.token("operate", "lab"));
+    await card(page, "x").waitFor();
+    const [cookie] = await page.context().cookies();
+    assert.deepEqual([cookie.httpOnly, cookie.sameSite], [true, "Strict"]);
+    const body = JSON.stringify({ jsonrpc: "2.0", id: 1, method: "axis.move_to", params: { axis: "x", position: 50 } });
+    const headers = { "Content-Type": "application/json", Cookie: `${cookie.name}=${cookie.value}` };
+    for (const origin of ["http://localhost:1", "http://evil.example", "null"]) {
+      const answer = await fetch(`${bench.url}/rpc`, { method: "POST", body, headers: { ...headers, Origin: origin } });
+      assert.equal(answer.status, 403, origin);
+    }
+    assert.equal((await bench.state("x")).target, 0);
+    await page.context().close();
+  });
+});
+
+describe("what comes from others", () => {
+  const html = '<img src="x" onerror="document.title = 1">';
+
+  it("is text, whatever it looks like", async () => {
+    bench = await Bench.create();
+    const page = await open("about:blank");
+    const title = async () => assert.equal(await page.title(), "tmcld");
+    // tmcld takes no such name itself.
+    await page.routeWebSocket("**/ws", (socket) => {
+      const tmcld = socket.connectToServer();
+      tmcld.onMessage((text) => socket.send(text.replaceAll('"x"', JSON.stringify(html)).replaceAll('"mm"', JSON.stringify(html))));
+    });
+    await page.goto(bench.url);
+    await page.getByRole("heading", { name: html }).waitFor();
+    await title();
+    await page.route("**/rpc", (route) =>
+      route.fulfill({ json: { jsonrpc: "2.0", id: 1, error: { code: -32000, message: html, data: { name: html, hint: html } } } }),
+    );
+    await button(card(page, "y"), "Stop y").click();
+    await card(page, "y").getByRole("alert").getByText(html).waitFor();
+    await page.keyboard.press("Space");
+    await page.getByText(`all axes did not stop: ${html}`).waitFor();
+    await title();
+    assert.equal(await page.locator("img").count(), 0);
+    assert.deepEqual(page.complaints, []);
+    await page.context().close();
+  });
+
+  it("shows the page in no frame", async () => {
+    bench = await Bench.create();
+    const page = await open(bench.url);
+    const answer = await page.request.get(bench.url);
+    assert.match(answer.headers()["content-security-policy"], /frame-ancestors 'none'/);
+    assert.equal(answer.headers()["x-content-type-options"], "nosniff");
+    assert.equal(answer.headers()["cache-control"], "no-cache");
+    await page.context().close();
+  });
+});
