@@ -1,5 +1,7 @@
 // The page as people use it: a browser, a tmcld, and simulated modules.
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { after, afterEach, beforeEach, describe, it } from "node:test";
 import { Bench, Cable, button, card, closeBrowser, move, open, signIn, until } from "./bench.mjs";
 
@@ -85,6 +87,40 @@ describe("a page that needs no token", () => {
     await bench.stands("x");
   });
 
+  it("is used with the keyboard alone", async () => {
+    const focused = () => page.evaluate(() => document.activeElement.getAttribute("aria-label") ?? document.activeElement.textContent);
+    const tabTo = async (name) => {
+      for (let i = 0; i < 50 && !(await focused()).startsWith(name); ++i) await page.keyboard.press("Tab");
+      assert.ok((await focused()).startsWith(name), name);
+    };
+    await card(page, "x").waitFor();
+    await tabTo("Where to move x");
+    await page.keyboard.type("7");
+    await page.keyboard.press("Enter");
+    await until("the target", async () => (await bench.state("x")).target === 7);
+    await bench.stands("x");
+    await tabTo("x by +");
+    await page.keyboard.down("Enter");
+    await bench.moves("x");
+    await until("a hold", async () => (await bench.state("x")).lease !== null);
+    await page.keyboard.up("Enter");
+    await bench.stands("x");
+    await tabTo("Stop y");
+  });
+
+  it("can be read by a screen reader", async () => {
+    const reader = await open(bench.url, { bypassCSP: true });
+    await card(reader, "x").waitFor();
+    await reader.addScriptTag({ path: createRequire(import.meta.url).resolve("axe-core") });
+    for (const colorScheme of ["light", "dark"]) {
+      await reader.emulateMedia({ colorScheme });
+      const { violations } = await reader.evaluate(() => window.axe.run());
+      const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
+      assert.deepEqual(serious.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`), []);
+    }
+    await reader.context().close();
+  });
+
   it("tells the numbers that tmclctl tells", async () => {
     await bench.call("axis.move_to", { axis: "z", position: -3.25 });
     await card(page, "z").getByText("-3.25 mm").first().waitFor();
@@ -120,6 +156,68 @@ describe("a page that needs no token", () => {
     await card(page, "x").waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
     assert.ok(await button(page, "Stop all").isVisible());
+  });
+});
+
+describe("the scope", () => {
+  let page;
+  const trace = async (value) => {
+    const scope = page.getByRole("region", { name: "Scope" });
+    await scope.getByLabel("Value").fill(value);
+    await button(scope, "Add").click();
+  };
+  const saved = async () => {
+    const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Save CSV").click()]);
+    return (await readFile(await download.path(), "utf8")).trim().split("\n");
+  };
+  beforeEach(async () => {
+    bench = await Bench.create();
+    page = await open(bench.url);
+    await card(page, "x").waitFor();
+  });
+  afterEach(async () => {
+    assert.deepEqual(page.complaints, []);
+    await page.context().close();
+  });
+
+  it("draws values and parameters, and saves them", async () => {
+    for (const value of ["position", "velocity", "actual_acceleration"]) await trace(value);
+    await page.locator(".plot canvas").waitFor();
+    await move(page, "x", "5");
+    await bench.stands("x");
+    await until("the end of the move is recorded", async () => (await saved()).at(-1).split(",")[1] === "5");
+    const [titles, ...rows] = await saved();
+    assert.equal(titles, '"Time in s","x position (mm)","x velocity (mm/s)","x actual_acceleration (actual_acceleration)"');
+    assert.ok(rows.some((row) => Number(row.split(",")[2]) > 1), "it was seen moving");
+    const times = rows.map((row) => Number(row.split(",")[0]));
+    assert.deepEqual(times, [...times].sort((a, b) => a - b));
+  });
+
+  it("stands still while it is paused", async () => {
+    await trace("position");
+    await until("rows", async () => (await saved()).length > 3);
+    await button(page, "Pause").click();
+    const rows = await saved();
+    await move(page, "x", "3");
+    await bench.stands("x");
+    assert.deepEqual(await saved(), rows);
+  });
+
+  it("says which parameter there is not", async () => {
+    await trace("no_such_thing");
+    await page.getByRole("alert").getByText(/no_such_thing/).waitFor();
+  });
+
+  it("is in the address as it was set up, and comes back with tmcld", async () => {
+    await trace("position");
+    await trace("load_value");
+    const other = await open(page.url());
+    await button(other, "Remove x load_value").waitFor();
+    await other.context().close();
+    await bench.daemon.end();
+    await bench.startDaemon();
+    await page.getByText("Connecting ...").waitFor({ state: "detached" });
+    await until("rows", async () => (await saved()).length > 3);
   });
 });
 

@@ -25,6 +25,9 @@ export interface Axis {
 export const axes = signal<Axis[]>([]);
 export const isConnected = signal(false);
 
+/** They are told each state, of whatever subscription of this page. */
+export const stateListeners = new Set<(state: StateTold) => void>();
+
 const stateInterval = 50;
 const slowestRetryMs = 5000;
 const signOfLifeMs = 2500;
@@ -136,7 +139,7 @@ function refreshSoon(): void {
   }, refreshDelayMs);
 }
 
-type StateTold = AxisState & { dropped: number };
+export type StateTold = AxisState & { subscription: number; dropped: number };
 type EventTold = { kind: string; bus: string; address: number | null; dropped: number };
 
 /** Of the axes that an event is about. */
@@ -148,7 +151,10 @@ const problemAfter: Record<string, string> = {
 };
 
 function take(method: string, params: never): void {
-  if (method === "notify_state") takeState(params);
+  if (method === "notify_state") {
+    takeState(params);
+    for (const listener of stateListeners) listener(params);
+  }
   if (method === "notify_event") takeEvent(params);
 }
 

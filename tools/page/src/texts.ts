@@ -60,6 +60,19 @@ export const texts = {
   perSecond: "/s",
   seconds: "s",
 
+  scope: "Scope",
+  axis: "Axis",
+  value: "Value",
+  addTrace: "Add",
+  removeTrace: (name: string) => `Remove ${name}`,
+  trace: (axis: string, value: string) => `${axis} ${value}`,
+  pause: "Pause",
+  resume: "Go on",
+  showLast: "Show the last",
+  saveCsv: "Save CSV",
+  scopeHelp: "A value is position, velocity, target, or a parameter of the axis, such as load_value. Drag to zoom while paused; a double click shows all.",
+  time: "Time in s",
+
   deadmen: { unknown: "not known", none: "none", measured: (ms: number) => `after ${ms} ms, measured` } as const,
 
   stopCauses: {

@@ -3,6 +3,7 @@ import { axes, isConnected } from "../bench";
 import { texts } from "../texts";
 import { AxisCard } from "./axis_card";
 import { JogSettings } from "./jog_buttons";
+import { Scope } from "./scope";
 import { SignIn } from "./sign_in";
 import { StopAll } from "./stop_all_button";
 
@@ -29,6 +30,7 @@ export function App() {
             <AxisCard key={axis.info.name} axis={axis} />
           ))}
         </div>
+        {may("subscribe") && <Scope />}
       </main>
     </>
   );
