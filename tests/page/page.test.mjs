@@ -65,6 +65,17 @@ describe("a page that needs no token", () => {
     await page.getByText(/All stand/).waitFor();
   });
 
+  it("says in red that tmcld cannot be reached, and stops all when it can", async () => {
+    await move(page, "x", "150");
+    await bench.moves("x");
+    await bench.daemon.end("SIGKILL");
+    await page.keyboard.press("Space");
+    await page.getByText("all axes did not stop: tmcld cannot be reached").waitFor();
+    await bench.startDaemon();
+    await page.getByText(/All stand/).waitFor();
+    await bench.stands("x");
+  });
+
   it("stops all while its other scripts hang", async () => {
     await move(page, "x", "150");
     await bench.moves("x");

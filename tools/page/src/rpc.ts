@@ -30,16 +30,19 @@ export function textOf(error: unknown): string {
 
 /** One call that waits for no other one. */
 export async function post<M extends keyof Methods>(method: M, params: Params<M>, timeoutMs: number): Promise<Answer<M>> {
-  const response = await fetch("/rpc", {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify({ jsonrpc: "2.0", id: 1, method, params }),
-    keepalive: true,
-    signal: AbortSignal.timeout(timeoutMs),
-  });
-  const answer = await response.json();
+  const answer = await answerTo(JSON.stringify({ jsonrpc: "2.0", id: 1, method, params }), timeoutMs);
   if (answer.error) throw CallError.of(answer.error);
   return answer.result;
+}
+
+async function answerTo(body: string, timeoutMs: number) {
+  try {
+    const headers = { "Content-Type": "application/json" };
+    const response = await fetch("/rpc", { method: "POST", headers, body, keepalive: true, signal: AbortSignal.timeout(timeoutMs) });
+    return await response.json();
+  } catch {
+    throw new CallError(texts.notReachable, "not_reachable");
+  }
 }
 
 type Waiting = { resolve: (result: never) => void; reject: (error: CallError) => void };
