@@ -1,6 +1,6 @@
 // What every test of the page needs: simulated modules, a tmcld on them, and a browser that looks at its page.
 import { spawn } from "node:child_process";
-import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { cp, mkdtemp, rm, writeFile } from "node:fs/promises";
 import { createConnection, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -58,9 +58,12 @@ max_velocity = 20
 
 /** A TMCM-3110 with the axes x, y and z of 8 mm a turn. */
 export class Bench {
-  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2) } = {}) {
+  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2), hasOwnPage = false } = {}) {
     const bench = new Bench();
     bench.folder = await mkdtemp(join(tmpdir(), "tmcl-page-"));
+    // A copy, which a test may change.
+    if (hasOwnPage) await cp(join(programs, "../share/tmcl/page"), join(bench.folder, "page"), { recursive: true });
+    if (hasOwnPage) keys += `\npage = "${bench.folder}/page"`;
     bench.socket = join(bench.folder, "socket");
     bench.port = await freePort();
     const link = join(bench.folder, "bus");

@@ -1,7 +1,8 @@
 // The page as people use it: a browser, a tmcld, and simulated modules.
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
+import { readFile, rename, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
+import { join } from "node:path";
 import { after, afterEach, beforeEach, describe, it } from "node:test";
 import { Bench, Cable, button, card, closeBrowser, move, open, signIn, until } from "./bench.mjs";
 
@@ -387,6 +388,53 @@ describe("who is who", () => {
       assert.equal(answer.status, 403, origin);
     }
     assert.equal((await bench.state("x")).target, 0);
+    await page.context().close();
+  });
+});
+
+describe("a page that is open while tmcld is updated", () => {
+  /** As another build would: the script has another name. */
+  const update = async () => {
+    const folder = join(bench.folder, "page");
+    const index = await readFile(join(folder, "index.html"), "utf8");
+    const [, script] = index.match(/assets\/(index-[^"]+\.js)/);
+    for (const coding of ["", ".gz", ".br"]) await rename(join(folder, "assets", script + coding), join(folder, "assets", "index-new.js" + coding));
+    await writeFile(join(folder, "index.html"), index.replace(script, "index-new.js"));
+    for (const coding of [".gz", ".br"]) await rm(join(folder, "index.html" + coding));
+  };
+
+  it("is reloaded", async () => {
+    bench = await Bench.create({ hasOwnPage: true });
+    const page = await open(bench.url);
+    await card(page, "x").waitFor();
+    await bench.daemon.end();
+    await update();
+    await bench.startDaemon();
+    await page.locator('script[src="/assets/index-new.js"]').waitFor({ state: "attached" });
+    await card(page, "x").waitFor();
+    await page.context().close();
+  });
+
+  it("is reloaded once, and says then that it did not help", async () => {
+    bench = await Bench.create();
+    const page = await open(bench.url);
+    await card(page, "x").waitFor();
+    let loads = 0;
+    page.on("load", () => ++loads);
+    const restart = async () => {
+      await bench.daemon.end();
+      await bench.startDaemon();
+    };
+    // Only a page that asks what there is is told of another one, as by a cache in between.
+    await page.route(bench.url + "/", (route) =>
+      route.request().isNavigationRequest() ? route.continue() : route.fulfill({ body: "another", contentType: "text/html" }),
+    );
+    await restart();
+    await until("it is loaded again", () => loads === 1);
+    await card(page, "x").waitFor();
+    await restart();
+    await page.getByText(/reloading has not brought it/).waitFor();
+    assert.equal(loads, 1);
     await page.context().close();
   });
 });

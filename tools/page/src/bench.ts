@@ -1,10 +1,11 @@
 // The axes as tmcld tells of them: the only place that knows, fed by a subscription.
 import { effect, signal } from "@preact/signals";
-import { findOutWho, may } from "./access";
+import { access, findOutWho, may } from "./access";
 import type { Answer, Params } from "./rpc";
 import { CallError, Connection } from "./rpc";
 import type { Methods } from "./methods";
 import { texts } from "./texts";
+import { takeNewPage } from "./version";
 
 export type AxisInfo = Answer<"axis.list">["axes"][number];
 export type AxisState = Answer<"subscribe">["states"][number];
@@ -86,6 +87,7 @@ async function connectAgain(): Promise<void> {
   retryMs = Math.min(retryMs * 2, slowestRetryMs);
   // A browser does not say why a WebSocket was refused.
   await findOutWho();
+  if (access.peek().is !== "unknown") await takeNewPage();
   if (may("subscribe") && !connection) connect();
 }
 

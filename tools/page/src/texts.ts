@@ -7,6 +7,7 @@ export const texts = {
   notReachable: "tmcld cannot be reached",
   asking: "Asking tmcld ...",
   connecting: "Connecting ...",
+  outdated: "tmcld serves another version of this page, and reloading has not brought it: close the page, and open it again",
   mayOnlyStop: "This page may stop axes, and nothing else: it has no token, and [[access]] in tmcld.toml names users and groups",
   noAxes: "No axis is configured: [[axis]] in tmcld.toml gives a motor a name",
 

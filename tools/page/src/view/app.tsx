@@ -1,6 +1,7 @@
 import { access, may, signOut } from "../access";
 import { axes, isConnected } from "../bench";
 import { texts } from "../texts";
+import { isOutdated } from "../version";
 import { AxisCard } from "./axis_card";
 import { JogSettings } from "./jog_buttons";
 import { Scope } from "./scope";
@@ -22,6 +23,7 @@ export function App() {
       </header>
       <main class={isConnected.value ? "" : "stale"}>
         {!isConnected.value && may("subscribe") && <p class="notice" role="status">{texts.connecting}</p>}
+        {isOutdated.value && <p class="problem" role="alert">{texts.outdated}</p>}
         {now.is === "in" && !may("subscribe") && <p class="notice">{texts.mayOnlyStop}</p>}
         <JogSettings />
         {isConnected.value && axes.value.length === 0 && <p class="notice">{texts.noAxes}</p>}
