@@ -339,13 +339,13 @@ describe("who is who", () => {
     await page.context().close();
   });
 
-  it("offers a guest to look and to stop, and nothing else", async () => {
+  it("offers a guest to look, to draw and to stop, and nothing else", async () => {
     const page = await open(bench.url);
     await signIn(page, await bench.token("observe", "guest"));
     await card(page, "x").getByText("0 mm").first().waitFor();
     const offered = await page.getByRole("button").allTextContents();
-    assert.deepEqual(offered, ["Sign out", "Stop all", "Stop", "Stop", "Stop"]);
-    assert.equal(await page.getByRole("textbox").count(), 0);
+    assert.deepEqual(offered, ["Sign out", "Stop all", "Stop", "Stop", "Stop", "Add"]);
+    assert.equal(await card(page, "x").getByRole("textbox").count(), 0);
     await bench.call("axis.move_to", { axis: "x", position: 150 });
     await bench.moves("x");
     await page.keyboard.press("Space");

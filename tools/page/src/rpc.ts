@@ -38,7 +38,8 @@ export async function post<M extends keyof Methods>(method: M, params: Params<M>
 async function answerTo(body: string, timeoutMs: number) {
   try {
     const headers = { "Content-Type": "application/json" };
-    const response = await fetch("/rpc", { method: "POST", headers, body, keepalive: true, signal: AbortSignal.timeout(timeoutMs) });
+    const signal = AbortSignal.timeout(timeoutMs);
+    const response = await fetch("/rpc", { method: "POST", headers, body, keepalive: true, signal });
     return await response.json();
   } catch {
     throw new CallError(texts.notReachable, "not_reachable");
@@ -54,6 +55,7 @@ export class Connection {
   onNotification = (_method: string, _params: never) => {};
   #socket: WebSocket;
   #lastId = 0;
+  #isOver = false;
   #waiting = new Map<number, Waiting>();
 
   constructor() {
@@ -78,7 +80,6 @@ export class Connection {
 
   /** At once: a connection that was cut would take its time to close. */
   end(): void {
-    this.#socket.onclose = null;
     this.#socket.onmessage = null;
     this.#socket.close();
     this.#end();
@@ -100,6 +101,8 @@ export class Connection {
   }
 
   #end(): void {
+    if (this.#isOver) return;
+    this.#isOver = true;
     for (const waiting of this.#waiting.values()) waiting.reject(new CallError(texts.connectionLost, "connection_lost"));
     this.#waiting.clear();
     this.onClose();

@@ -71,7 +71,9 @@ export const texts = {
   resume: "Go on",
   showLast: "Show the last",
   saveCsv: "Save CSV",
-  scopeHelp: "A value is position, velocity, target, or a parameter of the axis, such as load_value. Drag to zoom while paused; a double click shows all.",
+  scopeHelp:
+    "A value is position, velocity, target, or a parameter of the axis, such as load_value. " +
+    "Drag to zoom while paused; a double click shows all.",
   time: "Time in s",
 
   deadmen: { unknown: "not known", none: "none", measured: (ms: number) => `after ${ms} ms, measured` } as const,

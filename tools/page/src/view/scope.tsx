@@ -24,7 +24,12 @@ export function Scope() {
         {traces.value.map((trace, index) => {
           const name = texts.trace(trace.axis, trace.value);
           return (
-            <button class="trace" style={{ borderLeftColor: colours[index] }} aria-label={texts.removeTrace(name)} onClick={() => removeTrace(trace)}>
+            <button
+              class="trace"
+              style={{ borderLeftColor: colours[index] }}
+              aria-label={texts.removeTrace(name)}
+              onClick={() => removeTrace(trace)}
+            >
               {name} ×
             </button>
           );

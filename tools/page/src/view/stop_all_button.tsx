@@ -24,16 +24,16 @@ export function StopAll() {
 function Report() {
   const report = stopReport.value;
   if (!report) return <div role="status" class="report" />;
-  const isWaiting = !report.isOver && report.braking.length === 0 && report.failed.length === 0;
+  const isGood = report.braking.length === 0 && report.failed.length === 0;
   return (
     <div role="status" class="report">
-      {isWaiting && <p>{texts.stopping}</p>}
+      {!report.isOver && isGood && <p>{texts.stopping}</p>}
       {!report.isOver && report.braking.length > 0 && <p>{texts.braking(report.braking)}</p>}
       {report.isOver && report.braking.length > 0 && <p class="problem">{texts.stillMoves(report.braking)}</p>}
       {report.failed.map((one) => (
         <p class="problem">{texts.notStopped(one.axis, one.why)}</p>
       ))}
-      {report.isOver && report.braking.length === 0 && report.failed.length === 0 && <p class="good">{texts.allStand(report.stand)}</p>}
+      {report.isOver && isGood && <p class="good">{texts.allStand(report.stand)}</p>}
     </div>
   );
 }
