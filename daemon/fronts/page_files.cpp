@@ -66,7 +66,11 @@ PageFile page_file(std::string_view target, std::string plain) {
 
 using Files = std::map<std::string, PageFile, std::less<>>;
 
-/// Nothing where there are more bytes than a page has.
+std::size_t page_bytes_of(const PageFile& file) {
+  return file.plain.size() + file.gzip.size() + file.brotli.size();
+}
+
+/// Nothing where one cannot be read, or where there are more bytes than a page has.
 Files read_files(const fs::path& folder, std::error_code& error) {
   Files files;
   std::size_t bytes = 0;
@@ -78,9 +82,11 @@ Files read_files(const fs::path& folder, std::error_code& error) {
     auto file = page_file(target, contents_of(at->path()));
     file.gzip = contents_of(at->path().string() + ".gz");
     file.brotli = contents_of(at->path().string() + ".br");
-    bytes += file.plain.size() + file.gzip.size() + file.brotli.size();
-    if (bytes > max_page_bytes) error = std::make_error_code(std::errc::file_too_large);
+    bytes += page_bytes_of(file);
     files.emplace(target, std::move(file));
+    if (bytes <= max_page_bytes) continue;
+    error = std::make_error_code(std::errc::file_too_large);
+    break;
   }
   return error ? Files{} : files;
 }

@@ -279,6 +279,23 @@ TEST_F(HttpSignIn, IsNotForPagesOfOthers) {
               HasSubstr("\"result\""));
 }
 
+TEST_F(HttpSignIn, OpensAWebSocketForItsOwnPagesAlone) {
+  const auto cookie = sign_in(share->tokens->add("bench", Role::operate));
+  const auto upgrade = [&](const std::string& origin) {
+    connect();
+    return ask(head_of("GET /ws", with(cookie) + "Origin: " + origin +
+                                      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                                      "Sec-WebSocket-Version: 13\r\n"
+                                      "Sec-WebSocket-Key: MDEyMzQ1Njc4OWFiY2RlZg==\r\n\r\n"));
+  };
+  EXPECT_THAT(upgrade("http://evil.example"), StartsWith("HTTP/1.1 403"));
+  EXPECT_THAT(upgrade("http://localhost:4143"), StartsWith("HTTP/1.1 101"));
+  said.clear();
+  connections->sign_out(1);
+  work();
+  EXPECT_THAT(said, HasSubstr("the sign-in has ended"));
+}
+
 TEST_F(HttpSignIn, TakesNoCookieThatItHasNotGiven) {
   sign_in(share->tokens->add("bench", Role::operate));
   for (const auto* bad : {"tmcl-4143=0", "tmcl-4143=", "tmcl-4144=0", "a=b", "tmcl-4143", ";;="}) {
