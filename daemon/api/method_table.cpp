@@ -5,6 +5,7 @@
 #include "api/doctor_handlers.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
+#include "api/page_handlers.hpp"
 #include "api/profile_handlers.hpp"
 #include "api/resonance_handlers.hpp"
 #include "api/settings_handlers.hpp"
@@ -66,6 +67,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::add_token>(configure),
     method<handlers::list_tokens>(configure),
     method<handlers::revoke_token>(configure),
+    method<handlers::find_page>(observe),
     method<handlers::move_line>(operate),
     method<handlers::stage_path>(operate),
     method<handlers::plan_path>(operate),

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "fronts/latency.hpp"
 #include "gateway/store/tokens.hpp"
@@ -10,6 +12,8 @@ namespace tmcld {
 
 struct FrontShare {
   std::shared_ptr<Tokens> tokens{};
+  /// Of the page, as a browser takes them; empty where nothing is served by HTTP.
+  std::vector<std::string> page_addresses{};
   /// From when a stop came in until it was answered.
   Latency stop_latency{};
 };

@@ -9,6 +9,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <boost/asio/ip/host_name.hpp>
 #include <boost/asio/ip/network_v6.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -75,6 +76,21 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
     if (!error) return {};
     return "cannot listen on " + in_brackets(address) + ":" + std::to_string(address.port) + ": " +
            error.message() + "; change 'listen' in [http], or end what has it";
+  }
+
+  /// Where a browser finds the page; it may be on another computer.
+  void tell_page() {
+    auto& told = connections_->share->page_addresses;
+    for (const auto& acceptor : acceptors_) {
+      error_code ignored;
+      const auto endpoint = acceptor.local_endpoint(ignored);
+      const auto port = ":" + std::to_string(endpoint.port());
+      const auto& address = endpoint.address();
+      const auto host = address.is_loopback()      ? "localhost" + port
+                        : address.is_unspecified() ? asio::ip::host_name(ignored) + port
+                                                   : text_of(endpoint);
+      told.push_back((tls_.context ? "https://" : "http://") + host);
+    }
   }
 
   void start() override {
@@ -191,6 +207,7 @@ tl::expected<std::shared_ptr<HttpServer>, std::string> HttpServer::create(
     auto problem = server->listen(address);
     if (!problem.empty()) return tl::unexpected(std::move(problem));
   }
+  server->tell_page();
   return server;
 }
 

@@ -16,6 +16,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "api/notifications.hpp"
+#include "api/page_place.hpp"
 #include "api/peer.hpp"
 #include "api/request.hpp"
 #include "api/token_keeper.hpp"
@@ -38,7 +39,10 @@ constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200)
 
 /// Whatever a client does, it costs other clients nothing, and no more memory than the bounds here
 /// and in the outbox allow.
-class Session : public Peer, public TokenKeeper, public std::enable_shared_from_this<Session> {
+class Session : public Peer,
+                public TokenKeeper,
+                public PagePlace,
+                public std::enable_shared_from_this<Session> {
  public:
   enum class Serves : std::uint8_t { all, stops };
 
@@ -73,6 +77,7 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   Client client() const override { return client_; }
   Caller caller() const override { return caller_(); }
   const std::shared_ptr<Tokens>& tokens() const override { return share_->tokens; }
+  const std::vector<std::string>& page_addresses() const override { return share_->page_addresses; }
 
  protected:
   /// The first message, where a connection has one.

@@ -331,6 +331,16 @@ ByUrl by_url(const std::string& url, std::vector<std::string> words) {
   return {status, program.output()};
 }
 
+TEST_F(TmcldHttp, TellsTmclctlWhereThePageIs) {
+  start("");
+  EXPECT_EQ(say({"tmclctl", "--socket", socket(), "page"}), "http://localhost:" + port + "\n");
+  daemon.reset();
+  write_config(pty_link());
+  start_daemon();
+  EXPECT_THAT(shell(TMCL_BIN_DIR "/tmclctl --socket " + socket() + " page 2>&1; echo $?"),
+              AllOf(HasSubstr("serves nothing by HTTP"), HasSubstr("\n1\n")));
+}
+
 TEST_F(TmcldHttp, DoesForTmclctlByUrlWhatTheSocketDoes) {
   start("");
   const auto url = "http://localhost:" + port;

@@ -632,6 +632,14 @@ export interface Methods {
     };
     result: Record<string, never>;
   };
+  /** where the page for browsers is */
+  "page.find": {
+    params: Record<string, never>;
+    result: {
+      /** what a browser takes, such as https://gateway:4143; empty where nothing is served by HTTP */
+      addresses: string[];
+    };
+  };
   /** moves several axes so that they start and arrive together */
   "line.move": {
     params: {
@@ -2723,6 +2731,7 @@ export const roleFor: Record<keyof Methods, Role> = {
   "token.add": "configure",
   "token.list": "configure",
   "token.revoke": "configure",
+  "page.find": "observe",
   "line.move": "operate",
   "path.stage": "operate",
   "path.plan": "operate",

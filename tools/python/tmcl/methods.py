@@ -36,6 +36,7 @@ EFFECTS: Mapping[str, str] = {
     "token.add": "writes",
     "token.list": "reads",
     "token.revoke": "writes",
+    "page.find": "reads",
     "line.move": "moves",
     "path.stage": "reads",
     "path.plan": "reads",
@@ -555,6 +556,13 @@ class TokenList(Record):
     #: the tokens there are
     tokens: tuple[TokenListTokens, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"tokens": TokenListTokens}
+
+
+@dataclass(frozen=True)
+class PageFind(Record):
+    #: what a browser takes, such as https://gateway:4143; empty where nothing is served by
+    #: HTTP
+    addresses: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -1810,6 +1818,10 @@ class Methods:
         """`token.revoke` ends the token, and the connections that it let in."""
         self._call("token.revoke", {"name": name})
 
+    def page_find(self) -> PageFind:
+        """`page.find` where the page for browsers is."""
+        return PageFind.of(self._call("page.find", {}))
+
     def line_move(
         self,
         axes: Sequence[str],
@@ -2795,6 +2807,10 @@ class AsyncMethods:
     async def token_revoke(self, name: str) -> None:
         """`token.revoke` ends the token, and the connections that it let in."""
         await self._call("token.revoke", {"name": name})
+
+    async def page_find(self) -> PageFind:
+        """`page.find` where the page for browsers is."""
+        return PageFind.of(await self._call("page.find", {}))
 
     async def line_move(
         self,

@@ -33,6 +33,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"token.add", "token add"},
     {"token.list", "token list"},
     {"token.revoke", "token revoke"},
+    {"page.find", "page"},
     {"axis.wait", "wait"},
     {"line.move", "line"},
     {"path.stage", "path run"},

@@ -448,6 +448,7 @@ struct Tokens {};
 struct RevokeToken {
   std::string name;
 };
+struct Page {};
 struct BreakLease {
   std::string axis;
 };

@@ -42,6 +42,7 @@ void add_errors(Grammar& grammar);
 void add_doctor(Grammar& grammar);
 void add_deadman(Grammar& grammar);
 void add_tokens(Grammar& grammar);
+void add_page(Grammar& grammar);
 void add_verify(Grammar& grammar);
 void add_coordinates(Grammar& grammar);
 void add_arrivals(Grammar& grammar);
