@@ -36,7 +36,7 @@ constexpr std::string_view page_that_is_missing = R"(<!doctype html>
 <head><meta charset="utf-8"><title>tmcld</title></head>
 <body>
 <h1>tmcld is here, its page is not</h1>
-<p>It was built without the page, because node or npm were not there.</p>
+<p>It was built without the page: node, npm or what npm was to get were not there.</p>
 <p>Install them, then build again: apt-get install nodejs npm; cmake --preset release; cmake --build --preset release</p>
 <p>A page that was built elsewhere: page = "DIR" in [http] of tmcld.toml.</p>
 </body></html>
