@@ -61,6 +61,12 @@ struct Turn {
   double position = 0;
 };
 
+/// Where a course waits, from when until when.
+struct CourseRest {
+  double begin = 0;
+  double end = 0;
+};
+
 class Course {
  public:
   /// `path` has no arcs. No line is passed faster than `feed`, by the axes that make its length.
@@ -75,6 +81,8 @@ class Course {
   std::size_t bytes() const;
   /// Of the axes that make it: of the others where none of those moves is not counted.
   double length() const { return length_; }
+  /// What its axes keep to.
+  const PathLimits& limits() const { return limits_; }
   /// Before 0 the start, after the duration the end; both at rest.
   PathState at(double t) const;
   PathMotion motion_at(double t) const;
@@ -94,6 +102,16 @@ class Course {
   std::size_t legs() const { return legs_.size(); }
   /// Without the shaping.
   CourseLeg leg(std::size_t index) const;
+  /// The last leg that has begun by then; nothing before the first one.
+  std::optional<std::size_t> leg_at(double t) const;
+  /// Of the file, then or before; nothing in a table with times.
+  std::optional<std::size_t> line_at(double t) const;
+  /// Along the path, by the axes that make its length; in a table with times by all.
+  double speed_at(double t) const;
+  /// The first dwell that has not ended by then.
+  std::optional<CourseRest> rest_after(double t) const;
+  /// How long it dwells from then on, all in all.
+  double resting_after(double t) const;
   /// The slowest corners between two legs, at most so many, ascending by speed.
   std::vector<Corner> slowest_corners(std::size_t most) const;
 
@@ -110,6 +128,7 @@ class Course {
   using Timetable = std::vector<Row>;
   struct Piece {
     double begin = 0;
+    double rested = 0;  // in the pieces before it
     std::variant<PathPlan, Rest, Timetable> what;
   };
   struct LegPlace {
@@ -130,8 +149,10 @@ class Course {
   /// The times at which a speed may bend, ascending; each once or more.
   std::vector<double> plain_bends() const;
   void shape(const Shaping& shaping);
+  double begin_of(const LegPlace& place) const;
 
   std::size_t axes_ = 0;
+  PathLimits limits_;
   bool timed_ = false;
   double length_ = 0;
   AxisValues top_speed_{};

@@ -106,6 +106,18 @@ struct StreamReport : DriveReport {
   double largest_lag_s = 0;     ///< Along it: how late the axes were at most.
 };
 
+/// What part of the planned speed a course may be passed with, if another one is asked for.
+constexpr double least_feed = 0.1;
+constexpr double most_feed = 2;
+/// In position mode the legs are with the modules already.
+constexpr bool takes_feed(StreamMode mode) { return mode != StreamMode::position; }
+
+struct StreamFeed {
+  double asked = 1;   ///< Parts of the planned speed.
+  double now = 0;     ///< What there is of it: less where a limit of an axis does not allow more.
+  bool held = false;  ///< A pause was asked for.
+};
+
 class StreamRunner;
 
 class PathStream final : public Drive {
@@ -121,6 +133,11 @@ class PathStream final : public Drive {
   /// The course is left at no point: time on it goes slower until it stands. In position mode it
   /// stands where the course itself does next.
   void pause(bool on);
+
+  /// From now on this part of the planned speed, least_feed..most_feed; takes_feed() says in which
+  /// modes. No axis exceeds the limits of the course: more than 1 where those leave room.
+  void set_feed(double factor);
+  StreamFeed feed() const;
 
   Phase phase() const;
   /// How much of the course has been passed, in its seconds.

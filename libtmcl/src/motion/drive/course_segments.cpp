@@ -7,8 +7,8 @@
 namespace tmcl::plan {
 namespace {
 
-// During a pause an axis is told a speed so often, in updates.
-constexpr int updates_of_a_pause = 2;
+// While the rate of the course changes, an axis is told a speed so often, in updates.
+constexpr int updates_of_a_change = 2;
 
 }  // namespace
 
@@ -49,35 +49,42 @@ double CourseBends::not_before(double time, Part& part) const {
   return std::numeric_limits<double>::infinity();
 }
 
+PathState at_rate(double rate, PathState state) {
+  for (auto& velocity : state.velocity) velocity *= rate;
+  return state;
+}
+
 SegmentSpan CourseSegments::from(TimePoint begin) {
-  return clock_.is_at_full_rate() ? of_course(begin) : of_pause(begin);
+  return clock_.is_steady() ? of_course(begin) : of_change(begin);
 }
 
 SegmentSpan CourseSegments::of_course(TimePoint begin) {
   const double passed = clock_.passed_at(begin);
-  const double period = seconds(period_);
+  const double rate = clock_.rate();
+  const double period = rate * seconds(period_);
   SegmentSpan span{};
   span.begin = begin;
-  span.full_rate = true;
+  span.steady = true;
+  span.rate = rate;
   const double first = bends_.not_before(passed + instant);
   span.course_end = first;
   if (first < passed + period) {
     const double next = bends_.not_before(passed + period);
     span.course_end = next < passed + 2 * period ? next : passed + period;
   }
-  span.end = begin + duration(span.course_end - passed);
-  span.at_end = course_.at(span.course_end - instant);
+  span.end = begin + duration(clock_.time_between(passed, span.course_end));
+  span.at_end = at_rate(rate, course_.at(span.course_end - instant));
   span.at_end.position = course_.at(span.course_end).position;
   const bool jumps = bends_.jumps_at(passed);
   span.smooth = first == span.course_end && !jumps;
-  if (jumps) span.early = duration(shortest_segment_ramp * period / 2);
+  if (jumps) span.early = duration(shortest_segment_ramp * seconds(period_) / 2);
   return span;
 }
 
-SegmentSpan CourseSegments::of_pause(TimePoint begin) const {
+SegmentSpan CourseSegments::of_change(TimePoint begin) const {
   SegmentSpan span{};
   span.begin = begin;
-  span.end = begin + updates_of_a_pause * period_;
+  span.end = begin + updates_of_a_change * period_;
   span.course_end = clock_.passed_at(span.end);
   span.at_end.position = course_.at(span.course_end).position;
   const auto before = course_.at(clock_.passed_at(span.end - period_)).position;

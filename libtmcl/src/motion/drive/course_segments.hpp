@@ -45,8 +45,16 @@ struct SegmentSpan {
   PathState at_end;
   bool smooth;     ///< The course has no joint there.
   Duration early;  ///< How long before its begin it is told, for half of the jump there.
-  bool full_rate;
+  bool steady;     ///< Time on the course goes evenly meanwhile.
+  double rate;     ///< By so much.
+  /// Otherwise its end is another one by now.
+  bool goes_with(const CourseClock& clock) const {
+    return steady ? clock.is_steady() && clock.rate() == rate : !clock.is_steady();
+  }
 };
+
+/// A state of the course if its time goes by so much.
+PathState at_rate(double rate, PathState state);
 
 class CourseSegments {
  public:
@@ -57,7 +65,7 @@ class CourseSegments {
 
  private:
   SegmentSpan of_course(TimePoint begin);
-  SegmentSpan of_pause(TimePoint begin) const;
+  SegmentSpan of_change(TimePoint begin) const;
 
   const Course& course_;
   const CourseClock& clock_;

@@ -39,6 +39,7 @@ class PositionRunner final : public StreamRunner {
   Script<Fault> prepare() override;
   Script<Fault> pass_course() override;
   void on_pause(bool on) override { pause_asked_ = on; }
+  bool is_held() const override { return pause_asked_; }
   bool rests_at_end() const override { return true; }
   double planned_position(std::size_t axis) const override;
   void on_written(std::size_t axis, Setting setting) override;

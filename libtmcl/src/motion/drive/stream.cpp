@@ -35,34 +35,6 @@ double AxisTracking::rms() const {
   return readings == 0 ? 0 : std::sqrt(squares / static_cast<double>(readings));
 }
 
-// ---- the clock of the course ----
-
-void CourseClock::start(TimePoint now, bool stands) {
-  at_ = now;
-  rate_ = stands ? 0 : 1;
-}
-
-void CourseClock::advance(TimePoint now) {
-  const double time = seconds(now - at_);
-  at_ = std::max(at_, now);
-  if (time > 0) passed_ = passed_after(time, rate_);
-}
-
-double CourseClock::passed_in(Duration ahead) const {
-  double rate = rate_;
-  return passed_after(seconds(ahead), rate);
-}
-
-double CourseClock::passed_after(double time, double& rate) const {
-  const double goal = paused_ ? 0 : 1;
-  const double needed = std::abs(goal - rate) * ramp_s_;
-  const double changing = std::min(time, needed);
-  const double reached = needed > 0 ? rate + (goal - rate) * changing / needed : goal;
-  const double passed = passed_ + (rate + reached) / 2 * changing + (time - changing) * goal;
-  rate = reached;
-  return passed;
-}
-
 // ---- what all modes share ----
 
 namespace {
@@ -80,7 +52,8 @@ StreamRunner::StreamRunner(const Course& course, std::vector<StreamAxis> axes,
       course_(course),
       options_(options),
       axes_(std::move(axes)),
-      told_(axes_.size()) {
+      told_(axes_.size()),
+      clock_(course_) {
   report_.axes.resize(axes_.size());
 }
 
@@ -279,6 +252,8 @@ PathStream& PathStream::operator=(PathStream&&) noexcept = default;
 
 StreamRunner& PathStream::runner() const { return static_cast<StreamRunner&>(*runner_); }
 void PathStream::pause(bool on) { runner().pause(on); }
+void PathStream::set_feed(double factor) { runner().set_feed(factor); }
+StreamFeed PathStream::feed() const { return runner().feed(); }
 PathStream::Phase PathStream::phase() const { return runner().phase(); }
 double PathStream::passed() const { return runner().passed(); }
 const StreamReport& PathStream::report() const { return runner().report(); }

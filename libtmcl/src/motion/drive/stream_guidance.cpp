@@ -230,8 +230,10 @@ void GuidedRunner::set_pause_ramp() {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& info = axes_[axis];
     const auto parameter = guidance_of(info.family).accelerations.front();
-    const double acceleration = acceleration_of(axis, settings_[axis].before(parameter));
-    const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
+    const double scale = std::abs(info.microsteps_per_unit);
+    const double acceleration = std::min(acceleration_of(axis, settings_[axis].before(parameter)),
+                                         course_.limits().axis[axis].acceleration * scale);
+    const double top = course_.top_speed(axis) * scale;
     if (acceleration > 0) longest = std::max(longest, top / acceleration);
   }
   clock_.set_ramp(pause_ramps * longest);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "motion/drive/course_clock.hpp"
 #include "motion/drive/drive_runner.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/stream.hpp"
@@ -17,39 +18,6 @@ inline constexpr auto dmax = number_of("max_deceleration");
 inline Duration duration(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
 }
-
-/// How much of the course has been passed; may go slower than time, down to a standstill and up
-/// again.
-class CourseClock {
- public:
-  void start(TimePoint now, bool stands);
-  void set_ramp(double seconds) { ramp_s_ = seconds; }
-  void pause(bool on) { paused_ = on; }
-  bool paused() const { return paused_; }
-  /// At full rate, from where the course stood.
-  void go_on(TimePoint now, double passed) {
-    at_ = now;
-    passed_ = passed;
-    rate_ = 1;
-    paused_ = false;
-  }
-  void advance(TimePoint now);
-  double passed() const { return passed_; }
-  /// So much later than the last advance().
-  double passed_in(Duration ahead) const;
-  double passed_at(TimePoint time) const { return passed_in(time - at_); }
-  /// Neither paused, nor on the way into a pause or out of one.
-  bool is_at_full_rate() const { return !paused_ && rate_ == 1; }
-
- private:
-  double passed_after(double time, double& rate) const;
-
-  TimePoint at_{};
-  double passed_ = 0;
-  double rate_ = 1;
-  double ramp_s_ = 0;
-  bool paused_ = false;
-};
 
 /// On a leg, and between its loads, an axis is looked at so often.
 constexpr Duration watch_interval = std::chrono::milliseconds(20);
@@ -76,6 +44,14 @@ class StreamRunner : public DriveRunner {
     if (phase_ == Phase::running && on) phase_ = Phase::pausing;
     if (phase_ == Phase::pausing && !on) phase_ = Phase::running;
   }
+  void set_feed(double factor) {
+    asked_feed_ = factor;
+    on_feed();
+  }
+  StreamFeed feed() const {
+    const bool runs = phase_ == Phase::running || phase_ == Phase::pausing;
+    return {asked_feed_, runs ? clock_.rate() : 0, is_held()};
+  }
   Phase phase() const { return phase_; }
   double passed() const { return std::min(clock_.passed(), course_.duration()); }
   const StreamReport& report() const { return report_; }
@@ -85,6 +61,8 @@ class StreamRunner : public DriveRunner {
   virtual Script<Fault> prepare() = 0;
   virtual Script<Fault> pass_course() = 0;
   virtual void on_pause(bool on) { clock_.pause(on); }
+  virtual void on_feed() { clock_.set_factor(asked_feed_); }
+  virtual bool is_held() const { return clock_.paused(); }
   /// At the end of the course the axes come to rest by themselves; otherwise they are stopped.
   virtual bool rests_at_end() const { return false; }
   /// Of an axis, now.
@@ -104,6 +82,7 @@ class StreamRunner : public DriveRunner {
   std::vector<std::optional<Setting>> told_;
   StreamReport report_;
   CourseClock clock_;
+  double asked_feed_ = 1;    ///< Part of the planned speed.
   std::size_t watched_ = 0;  ///< The axis that is looked at next.
 
  private:

@@ -64,11 +64,11 @@ StreamScript SegmentRunner::pass_course() {
     if (wrong) co_return wrong;
     ++report_.updates;
     if (clock_.passed() >= course_.duration()) break;
-    const bool is_last = span.full_rate && span.course_end >= course_.duration();
+    const bool is_last = span.steady && span.course_end >= course_.duration();
     wrong = co_await watch_segment(span, is_last ? span.end + at_the_end : span.end - lead);
     if (wrong) co_return wrong;
     if (clock_.passed() >= course_.duration()) break;
-    const bool on_time = span.full_rate == clock_.is_at_full_rate();
+    const bool on_time = span.goes_with(clock_);
     const auto planned = on_time ? span.end : now_ + lead;
     wrong = note_delay(now_ + lead - planned, report_.period);
     if (wrong) co_return wrong;
@@ -114,7 +114,7 @@ StreamScript SegmentRunner::tell_segment(std::size_t axis, const SegmentSpan& sp
   if (keeps_speed && brakes) co_return std::nullopt;
   const double slope = std::max(
       {braking, least_slope(axis, span, std::max(std::abs(task.speed), std::abs(wanted.speed))),
-       std::min(change / wanted.ramp_s, greatest_slope(axis, span.smooth && span.full_rate))});
+       std::min(change / wanted.ramp_s, greatest_slope(axis, span.smooth && span.steady))});
   const double within = options_.even_within * std::abs(axes_[axis].microsteps_per_unit);
   const double own = slope_now(axis, wanted.speed);
   const double off = change * (wanted.ramp_s - change / own) / 4;
@@ -188,7 +188,7 @@ StreamScript SegmentRunner::turn_late_ones(const SegmentSpan& span) {
 
 // Until it is time for the next one, or for a pause.
 StreamScript SegmentRunner::watch_segment(const SegmentSpan& span, TimePoint until_time) {
-  while (now_ < until_time && span.full_rate == clock_.is_at_full_rate()) {
+  while (now_ < until_time && span.goes_with(clock_)) {
     const bool has_time = until_time - now_ > watch_interval + report_.period;
     co_await until(std::min(until_time, now_ + watch_interval));
     if (auto asked = asked_to_stop()) co_return asked;
@@ -239,7 +239,7 @@ StreamScript SegmentRunner::tell_rest(std::size_t axis, const SegmentSpan& span)
   rest.early = {};
   if (const auto until = brought_back_[axis]) {
     rest.end = *until;
-    rest.at_end = course_.at(clock_.passed_at(*until));
+    rest.at_end = at_rate(clock_.rate(), course_.at(clock_.passed_at(*until)));
   }
   auto wrong = co_await tell_segment(axis, rest);
   co_return wrong;

@@ -37,12 +37,13 @@ double SegmentRunner::greatest_slope(std::size_t axis, bool smooth) const {
 // A stop brakes an axis by the acceleration that it has then. What is no ramp of the
 // course, or of a pause, does not leave it with one that would take long.
 double SegmentRunner::least_slope(std::size_t axis, const SegmentSpan& span, double speed) const {
-  if (!span.full_rate) return 0;
+  if (!span.steady) return 0;
   const double scale = std::abs(axes_[axis].microsteps_per_unit);
   const double top = std::max(course_.top_speed(axis) * scale, 1.0);
   const double least = own_slope(axis) * std::min(std::abs(speed) / top, 1.0) / most_stop_ramps;
   const double time = seconds(span.end - span.begin);
-  const double before = course_.at(span.course_end - time + instant).velocity[axis];
+  const double begin = span.course_end - span.rate * time + instant;
+  const double before = span.rate * course_.at(begin).velocity[axis];
   const double planned = std::abs(span.at_end.velocity[axis] - before) * scale;
   return planned > jump_part * top ? std::min(least, planned / time) : least;
 }

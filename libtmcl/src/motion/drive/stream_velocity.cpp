@@ -20,12 +20,18 @@ class VelocityRunner final : public GuidedRunner {
   Script<Fault> prepare() override;
   Script<Fault> pass_course() override;
   Script<Fault> find_steepest();
-  Script<Fault> raise_accelerations(std::size_t axis);
+  void on_feed() override { clock_.set_factor(std::min(asked_feed_, prepared_for_)); }
+  Script<Fault> raise_acceleration(std::size_t axis, std::uint8_t parameter, double feed);
+  Script<Fault> prepare_for_feed();
   Script<Fault> update(std::size_t axis);
   std::int32_t velocity_for(std::size_t axis) const;
 
   std::vector<TimePoint> due_ = std::vector<TimePoint>(axes());  // of each axis' next update
   AxisValues steepest_{};  // between updates; in units a second squared
+  std::vector<std::pair<std::size_t, std::uint8_t>> accelerations_;  // of all axes
+  double prepared_for_ = 1;   // this part of the planned speed
+  double preparing_for_ = 1;  // and this one
+  std::size_t prepared_ = 0;  // how many of the accelerations
 };
 
 StreamScript VelocityRunner::prepare() {
@@ -35,29 +41,32 @@ StreamScript VelocityRunner::prepare() {
   auto asked = co_await find_steepest();
   if (asked) co_return asked;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    auto refused = co_await raise_accelerations(axis);
-    if (!refused) refused = co_await prepare_ramp(axis);
+    Fault refused;
+    for (const auto parameter : guidance_of(axes_[axis].family).accelerations) {
+      accelerations_.emplace_back(axis, parameter);
+      refused = co_await raise_acceleration(axis, parameter, prepared_for_);
+      if (refused) co_return refused;
+    }
+    refused = co_await prepare_ramp(axis);
     if (refused) co_return refused;
   }
   set_pause_ramp();
   co_return std::nullopt;
 }
 
-StreamScript VelocityRunner::raise_accelerations(std::size_t axis) {
+StreamScript VelocityRunner::raise_acceleration(std::size_t axis, std::uint8_t parameter,
+                                                double feed) {
   const auto& info = axes_[axis];
   const double wanted =
-      std::ceil(steepest_[axis] / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
+      std::ceil(feed * steepest_[axis] / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
                 info.units.acceleration.value);
-  for (const auto parameter : guidance_of(info.family).accelerations) {
-    auto unknown = co_await know(axis, parameter);
-    if (unknown) co_return unknown;
-    const auto own = settings_[axis].before(parameter);
-    const auto most = std::max(own, greatest_acceleration_of(info));
-    const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
-    auto refused = co_await set(axis, {parameter, value});
-    if (refused) co_return refused;
-  }
-  co_return std::nullopt;
+  auto unknown = co_await know(axis, parameter);
+  if (unknown) co_return unknown;
+  const auto own = settings_[axis].before(parameter);
+  const auto most = std::max(own, greatest_acceleration_of(info));
+  const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
+  auto refused = co_await set(axis, {parameter, value});
+  co_return refused;
 }
 
 StreamScript VelocityRunner::find_steepest() {
@@ -86,6 +95,8 @@ StreamScript VelocityRunner::pass_course() {
   clock_.start(now_, clock_.paused());
   for (std::size_t round = 0;; ++round) {
     const auto begin = now_;
+    wrong = co_await prepare_for_feed();
+    if (wrong) co_return wrong;
     for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
       wrong = co_await update(axis);
       if (wrong) co_return wrong;
@@ -99,6 +110,20 @@ StreamScript VelocityRunner::pass_course() {
     if (clock_.passed() >= course_.duration()) co_return std::nullopt;
     co_await until(begin + report_.period);
   }
+}
+
+// Where a course is passed faster than planned, its corners are steeper. One command in an update:
+// more would make that late.
+StreamScript VelocityRunner::prepare_for_feed() {
+  if (asked_feed_ <= prepared_for_) co_return std::nullopt;
+  if (prepared_ == 0) preparing_for_ = asked_feed_;
+  const auto [axis, parameter] = accelerations_[prepared_];
+  auto refused = co_await raise_acceleration(axis, parameter, preparing_for_);
+  if (refused || ++prepared_ < accelerations_.size()) co_return refused;
+  prepared_ = 0;
+  prepared_for_ = preparing_for_;
+  on_feed();
+  co_return std::nullopt;
 }
 
 StreamScript VelocityRunner::update(std::size_t axis) {

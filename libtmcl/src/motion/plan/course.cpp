@@ -34,6 +34,7 @@ class Course::Maker {
       : path_(path), limits_(limits), feed_(feed), longer_rests_(longer_rests), here_(path.start) {
     limits_.axes = path.axes.size();
     course_.axes_ = limits_.axes;
+    course_.limits_ = limits_;
     course_.least_ = course_.greatest_ = here_;
   }
 
@@ -76,7 +77,7 @@ class Course::Maker {
 
   void rest(const Dwell& dwell) {
     close();
-    add({course_.duration(), Rest{here_, dwell.duration + longer_rests_}});
+    add(Rest{here_, dwell.duration + longer_rests_});
   }
 
   // What was collected since the last rest becomes a piece.
@@ -107,7 +108,7 @@ class Course::Maker {
         course_.top_speed_[axis] = std::max(course_.top_speed_[axis], plan->ramp(leg, axis).vmax);
       }
     }
-    add({course_.duration(), std::move(*plan)});
+    add(std::move(*plan));
   }
 
   void plan_rows() {
@@ -121,7 +122,7 @@ class Course::Maker {
       check_limits(i);
       note_way(course_.duration() + rows_[i].time, rows_[i + 1].position);
     }
-    add({course_.duration(), std::move(rows_)});
+    add(std::move(rows_));
   }
 
   // From the corner before, where it is at `time`.
@@ -165,7 +166,12 @@ class Course::Maker {
                     path_.axes[axis], plain_number(value, 6), unit, plain_number(limit, 6));
   }
 
-  void add(Piece piece) { course_.pieces_.push_back(std::move(piece)); }
+  void add(std::variant<PathPlan, Rest, Timetable> what) {
+    Piece piece{course_.duration(), rested_, std::move(what)};
+    if (const auto* rest = std::get_if<Rest>(&piece.what))
+      rested_ += rest->duration - longer_rests_;
+    course_.pieces_.push_back(std::move(piece));
+  }
 
   const path_file::Path& path_;
   PathLimits limits_;
@@ -180,6 +186,7 @@ class Course::Maker {
   std::vector<std::size_t> lines_;
   std::vector<double> stretches_;
   std::string fault_;
+  double rested_ = 0;
   Course course_;
 };
 
@@ -282,6 +289,55 @@ CourseLeg Course::leg(std::size_t index) const {
                  {}};
   for (std::size_t axis = 0; axis < axes_; ++axis) made.axis[axis] = plan.ramp(place.leg, axis);
   return made;
+}
+
+double Course::begin_of(const LegPlace& place) const {
+  const auto& piece = pieces_[place.piece];
+  return piece.begin + std::get<PathPlan>(piece.what).legs()[place.leg].begin;
+}
+
+std::optional<std::size_t> Course::leg_at(double t) const {
+  const auto begin = [this](const LegPlace& place) { return begin_of(place); };
+  const auto later = std::ranges::upper_bound(legs_, t - mean_delay(impulses_), {}, begin);
+  if (later == legs_.begin()) return std::nullopt;
+  return static_cast<std::size_t>(std::distance(legs_.begin(), later)) - 1;
+}
+
+std::optional<std::size_t> Course::line_at(double t) const {
+  const auto leg = leg_at(std::max(t, mean_delay(impulses_)));
+  return leg ? std::optional(legs_[*leg].line) : std::nullopt;
+}
+
+double Course::speed_at(double t) const {
+  const auto velocity = at(t).velocity;
+  double speed = 0;
+  for (std::size_t axis = 0; axis < axes_; ++axis) speed = std::hypot(speed, velocity[axis]);
+  const auto leg = leg_at(t);
+  return leg ? speed / legs_[*leg].stretch : speed;
+}
+
+std::optional<CourseRest> Course::rest_after(double t) const {
+  if (pieces_.empty()) return std::nullopt;
+  // What comes before it may end so much later, and then it stands.
+  const double late = longest_delay(impulses_);
+  for (const auto* piece = &piece_at(t); piece != pieces_.data() + pieces_.size(); ++piece) {
+    const double end = piece->begin + duration_of(*piece);
+    if (std::holds_alternative<Rest>(piece->what) && end > t)
+      return CourseRest{piece->begin + late, end};
+  }
+  return std::nullopt;
+}
+
+double Course::resting_after(double t) const {
+  if (pieces_.empty()) return 0;
+  const auto& last = pieces_.back();
+  const double late = longest_delay(impulses_);
+  const auto rest_of = [late](const Piece& piece) {
+    return std::holds_alternative<Rest>(piece.what) ? duration_of(piece) - late : 0;
+  };
+  const auto& here = piece_at(t);
+  const double rested = here.rested + std::clamp(t - here.begin - late, 0.0, rest_of(here));
+  return last.rested + rest_of(last) - rested;
 }
 
 std::vector<Corner> Course::slowest_corners(std::size_t most) const {
