@@ -75,6 +75,8 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params);
 Answer<path::Run> run_path(Call& call, const path::Run& params);
 Answer<path::Pause> pause_path(Call& call, const path::Pause& params);
 Answer<path::Resume> resume_path(Call& call, const path::Resume& params);
+Answer<path::Status> status_of_paths(Call& call, const path::Status& params);
+Answer<path::Feed> feed_path(Call& call, const path::Feed& params);
 Answer<path::Stop> stop_path(Call& call, const path::Stop& params);
 Answer<mint::Run> run_mint(Call& call, const mint::Run& params);
 

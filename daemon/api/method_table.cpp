@@ -74,6 +74,8 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::run_path>(operate),
     method<handlers::pause_path>(operate),
     method<handlers::resume_path>(operate),
+    method<handlers::status_of_paths>(observe),
+    method<handlers::feed_path>(operate),
     method<handlers::stop_path>(stop),
     method<handlers::run_mint>(operate),
     method<handlers::get_ramp>(observe),

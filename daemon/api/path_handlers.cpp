@@ -29,8 +29,6 @@ namespace plan = tmcl::plan;
 namespace ap = tmcl::axis_parameter;
 using boost::asio::awaitable;
 
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(10);
-
 // ---- the axes ----
 
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
@@ -239,7 +237,13 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   if (!course) co_return error_of(course.error(), "text");
   if (const auto objection = objection_to_reach(*course, known))
     co_return error_of(*objection, "text");
-  PlannedPath planned{0, request, names, std::move(axes), std::move(known), std::move(*course)};
+  PlannedPath planned{0,
+                      request,
+                      names,
+                      std::move(axes),
+                      std::move(known),
+                      std::move(*course),
+                      params.name.value_or("")};
   co_return planned;
 }
 
@@ -334,53 +338,6 @@ std::string tolerance_warning(double tolerance, double by, double at_s) {
       tmcl::plain_number(tolerance, 6), tmcl::plain_number(by, 3), tmcl::plain_number(at_s, 4));
 }
 
-using PathRuns = std::vector<std::shared_ptr<PathRun>>;
-
-/// The paths of the axes that are named; all of them if none is.
-Result<PathRuns> runs_of(const Call& call, const path::OnPaths& params) {
-  const auto axes = axes_of(call, params.axes);
-  if (!axes) return tl::unexpected(axes.error());
-  PathRuns runs;
-  for (const auto& axis : *axes) {
-    const auto path = std::dynamic_pointer_cast<PathRun>(axis->journey());
-    if (!path && params.axes) {
-      return tl::unexpected(
-          param_error("no_path", "axes", "axis '" + axis->name() + "' is on no path"));
-    }
-    if (path && std::ranges::find(runs, path) == runs.end()) runs.push_back(path);
-  }
-  return runs;
-}
-
-path::PathAxes axes_on(const PathRuns& runs) {
-  path::PathAxes all;
-  for (const auto& run : runs) {
-    for (const auto& name : run->axis_names()) all.axes.push_back(name);
-  }
-  return all;
-}
-
-std::optional<Error> failure_to_stop(const PathRuns& runs) {
-  std::string text;
-  std::vector<std::string> unstopped;
-  for (const auto& run : runs) {
-    for (auto& axis : run->unstopped()) {
-      text += (text.empty() ? "" : "; ") + not_stopped(axis);
-      unstopped.push_back(std::move(axis));
-    }
-  }
-  if (unstopped.empty()) return std::nullopt;
-  auto error = failed("not_stopped", std::move(text), stop_them);
-  add_outcome(error, unstopped);
-  return error;
-}
-
-Task<path::PathAxes> pause_all(Call& call, const path::OnPaths& params, bool on) {
-  const auto runs = co_await must(runs_of(call, params));
-  for (const auto& run : runs) run->pause(on);
-  co_return axes_on(runs);
-}
-
 }  // namespace
 
 Answer<path::Stage> stage_path(Call& call, const path::Stage& params) {
@@ -434,9 +391,9 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   options.to_start = params.to_start.value_or(false);
 
   const auto executor = co_await boost::asio::this_coro::executor;
-  const auto run =
-      std::make_shared<PathRun>(executor, std::move(planned.course), std::move(members),
-                                streamed(planned.known), options, path_progress_to(call));
+  const auto run = std::make_shared<PathRun>(executor, std::move(planned.course),
+                                             std::move(members), streamed(planned.known), options,
+                                             std::move(planned.name), path_progress_to(call));
   const auto failure = co_await PathRun::pass(run);
   co_await must_not(failure);
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));
@@ -445,24 +402,6 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   if (const auto by = passage.tolerance_exceeded_by)
     warnings.push_back(tolerance_warning(planned.request.tolerance, *by, passage.off_path_at_s));
   co_return path::Passed{std::move(passage), std::move(*expected), std::move(warnings)};
-}
-
-Answer<path::Pause> pause_path(Call& call, const path::Pause& params) {
-  return pause_all(call, params, true);
-}
-Answer<path::Resume> resume_path(Call& call, const path::Resume& params) {
-  return pause_all(call, params, false);
-}
-
-Answer<path::Stop> stop_path(Call& call, const path::Stop& params) {
-  const auto runs = co_await must(runs_of(call, params));
-  for (const auto& run : runs)
-    run->end({plan::DriveFault::Kind::asked, {}, "a client has stopped the path"});
-  for (const auto& run : runs) {
-    while (!run->has_ended()) co_await rest(look_interval);
-  }
-  co_await must_not(failure_to_stop(runs));
-  co_return axes_on(runs);
 }
 
 }  // namespace tmcld::handlers

@@ -77,6 +77,8 @@ inline const std::vector<MethodCall> all{
     {"path.run", R"({"axes":["x","y"],"text":"G91\nG1 X1 F1200\nG1 Y1\n"})", {}, {0, 1}},
     {"path.pause", R"({"axes":["y"]})", {long_path}, {1}},
     {"path.resume", R"({"axes":["y"]})", {long_path}, {1}},
+    {"path.status", R"({"axes":["y"]})", {long_path}, {1}},
+    {"path.feed", R"({"axes":["y"],"factor":0.5})", {long_path}, {1}},
     {"path.stop", R"({"axes":["y"]})", {long_path}, {1}},
     {"mint.run",
      R"({"axes":["y"],"text":"SPEED = 9000\nACCEL = 90000\nMOVEA = 5000\nGO\n"})",

@@ -59,6 +59,11 @@ TEST_F(CtlMethods, EveryVerbAsksForItsMethod) {
        R"(program.set_breakpoint {"bus":"b","address":1,"at":9})"},
       {{"path", "pause", "x"}, R"(path.pause {"axes":["x"]})"},
       {{"path", "resume"}, R"(path.resume {})"},
+      {{"path", "feed", "x", "62.5%"}, R"(path.feed {"axes":["x"],"factor":6.25E-1})"},
+      {{"path", "feed", "x", "hold"}, R"(path.feed {"axes":["x"],"hold":true})"},
+      {{"path", "feed", "x", "resume"}, R"(path.feed {"axes":["x"],"hold":false})"},
+      {{"path", "status"}, R"(path.status {})"},
+      {{"path", "status", "x"}, R"(path.status {"axes":["x"]})"},
       {{"path", "stop", "x", "y"}, R"(path.stop {"axes":["x","y"]})"},
       {{"home", "x", "--stop"}, R"(axis.stop_home {"axis":"x"})"},
       {{"home", "x", "--no-wait", "--mode", "5"}, R"(axis.start_home {"axis":"x","mode":5})"},
@@ -90,6 +95,53 @@ TEST_F(CtlMethods, WhatGoesOnIsSaid) {
   EXPECT_EQ(ctl.json({"path", "stop"}).at("axes").as_array().size(), 2U);
   ctl.target.result = {{"axes", boost::json::array{}}};
   ctl.run({"path", "stop"});
+  EXPECT_EQ(ctl.out, "No axis is on a path that tmcld passes\n");
+}
+
+boost::json::object running_path() {
+  return {{"axes", {"x", "y"}}, {"name", "part.ngc"}, {"mode", "velocity"}, {"phase", "running"},
+          {"passed_s", 12.34},  {"duration_s", 40},   {"done", 0.3085},     {"left_s", 55.32},
+          {"line", 7},          {"held", false},      {"factor", 0.5},      {"factor_now", 0.75},
+          {"planned_feed", 20}, {"feed", 15},         {"off_path", 0.0031}, {"off_path_at_s", 3.25},
+          {"lag_s", 0.0004}};
+}
+
+TEST_F(CtlMethods, ThePathIsToldHowFastToGo) {
+  ctl.target.result = {{"paths", boost::json::array{running_path()}}};
+  ctl.run({"path", "feed", "x", "50%"});
+  EXPECT_EQ(ctl.out, "x, y: override 50 %, 75 % now\n");
+  auto held = running_path();
+  held["held"] = true;
+  ctl.target.result = {{"paths", boost::json::array{held}}};
+  ctl.run({"path", "feed", "x", "hold"});
+  EXPECT_EQ(ctl.out, "x, y: held on the path; override 50 %, 75 % now\n");
+  for (const auto* wrong : {"50", "9%", "201%", "%", "fast", ""})
+    EXPECT_EQ(ctl.run({"path", "feed", "x", wrong}), ExitCode::usage) << wrong;
+}
+
+TEST_F(CtlMethods, TheStatusOfAPathSaysWhereItIs) {
+  ctl.target.result = {{"paths", boost::json::array{running_path()}}};
+  ctl.run({"path", "status"});
+  EXPECT_EQ(ctl.out,
+            "x, y: part.ngc, velocity mode, running\n"
+            "  done      31 %: 12.3 of 40.0 s, 55.3 s left\n"
+            "  line      7 of the file\n"
+            "  override  50 %, 75 % now\n"
+            "  feed      15 a second, planned 20\n"
+            "  off path  0.0031 at most so far, at 3.250 s, and 0.4 ms late on it\n");
+  auto bare = running_path();
+  bare["name"] = bare["left_s"] = bare["line"] = nullptr;
+  bare["held"] = true;
+  ctl.target.result = {{"paths", boost::json::array{bare}}};
+  ctl.run({"path", "status", "x"});
+  EXPECT_EQ(ctl.out,
+            "x, y: a path, velocity mode, running\n"
+            "  done      31 %: 12.3 of 40.0 s, held\n"
+            "  override  50 %, and held, 75 % now\n"
+            "  feed      15 a second, planned 20\n"
+            "  off path  0.0031 at most so far, at 3.250 s, and 0.4 ms late on it\n");
+  ctl.target.result = {{"paths", boost::json::array{}}};
+  ctl.run({"path", "status"});
   EXPECT_EQ(ctl.out, "No axis is on a path that tmcld passes\n");
 }
 

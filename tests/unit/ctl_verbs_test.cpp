@@ -526,6 +526,7 @@ TEST_F(CtlVerbs, WhatOnlyTmcldDoesIsRefusedWithoutIt) {
     if (verb.name.starts_with("lease ") && verb.name != "lease list") words.emplace_back("x");
     if (verb.name == "token add") words.insert(words.end(), {"--role", "operate"});
     if (verb.name == "token revoke") words.emplace_back("lab");
+    if (verb.name == "path feed") words.insert(words.end(), {"x", "50%"});
     EXPECT_EQ(run(words), ExitCode::usage) << verb.name;
     EXPECT_THAT(err, HasSubstr("needs a running tmcld: " + std::string(verb.reason)));
   }

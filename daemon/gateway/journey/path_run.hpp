@@ -11,12 +11,14 @@ class PathRun final : public AwaitedRun {
  public:
   using OnProgress = std::function<void(const PathRun& run)>;
 
-  /// `axes` are those of the members, in the order of the course.
+  /// `axes` are those of the members, in the order of the course; `name`: what its client calls it.
   PathRun(const boost::asio::any_io_executor& executor, tmcl::plan::Course course,
           std::vector<DriveMember> members, std::vector<tmcl::plan::StreamAxis> axes,
-          tmcl::plan::StreamOptions options, OnProgress on_progress)
+          tmcl::plan::StreamOptions options, std::string name, OnProgress on_progress)
       : AwaitedRun(executor, std::move(members), ClaimKind::path, GatewayEvent::Kind::path_broken),
         course_(std::move(course)),
+        mode_(options.mode),
+        name_(std::move(name)),
         stream_(course_, std::move(axes), options),
         on_progress_(std::move(on_progress)) {}
 
@@ -24,6 +26,15 @@ class PathRun final : public AwaitedRun {
     stream_.pause(on);
     woken_.notify();
   }
+  /// Part of the planned speed, in a mode that takes_feed().
+  void set_feed(double factor) {
+    stream_.set_feed(factor);
+    woken_.notify();
+  }
+  tmcl::plan::StreamFeed feed() const { return stream_.feed(); }
+  tmcl::plan::StreamMode mode() const { return mode_; }
+  const std::string& name() const { return name_; }
+  const tmcl::plan::Course& course() const { return course_; }
   const tmcl::plan::StreamReport& report() const override { return stream_.report(); }
   tmcl::plan::PathStream::Phase phase() const { return stream_.phase(); }
   double passed() const { return stream_.passed(); }
@@ -34,6 +45,8 @@ class PathRun final : public AwaitedRun {
   void tell_progress() override { on_progress_(*this); }
 
   tmcl::plan::Course course_;
+  tmcl::plan::StreamMode mode_;
+  std::string name_;
   tmcl::plan::PathStream stream_;
   OnProgress on_progress_;
 };

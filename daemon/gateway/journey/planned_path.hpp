@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "gateway/axis/axis.hpp"
@@ -16,6 +17,7 @@ struct PlannedPath {
   std::vector<std::shared_ptr<GatewayAxis>> axes;
   std::vector<tmcl::plan::PathAxis> known;  ///< As they were when it was planned.
   tmcl::plan::Course course;
+  std::string name;  ///< What its client calls it; empty: nothing.
 };
 
 }  // namespace tmcld

@@ -43,6 +43,8 @@ EFFECTS: Mapping[str, str] = {
     "path.run": "moves",
     "path.pause": "writes",
     "path.resume": "moves",
+    "path.status": "reads",
+    "path.feed": "moves",
     "path.stop": "stops",
     "mint.run": "moves",
     "axis.get_ramp": "reads",
@@ -748,6 +750,53 @@ class PathRun(Record):
 class PathPause(Record):
     #: of the paths concerned
     axes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class PathStatusPaths(Record):
+    #: in the order of the file's
+    axes: tuple[str, ...] = ()
+    #: what path.run calls it
+    name: str | None = None
+    #: velocity, segments or position
+    mode: str = ""
+    #: approaching, measuring, running, pausing or ending
+    phase: str = ""
+    #: how much of its course has been passed, in seconds of that
+    passed_s: float = 0.0
+    #: how long the course takes as it was planned
+    duration_s: float = 0.0
+    #: what part of it has been passed; 0 to 1
+    done: float = 0.0
+    #: how long the rest takes with the present override, or with 1 if that is greater; null
+    #: while it is held
+    left_s: float | None = None
+    #: of the file, on which it is; null in a table with times
+    line: int | None = None
+    #: whether it stands on its path, or is about to
+    held: bool = False
+    #: the override: what part of the planned speed is asked for
+    factor: float = 0.0
+    #: what there is of it now; less than is asked for while it changes, and where an axis can
+    #: do no more
+    factor_now: float = 0.0
+    #: the speed that the course has here
+    planned_feed: float = 0.0
+    #: the speed that there is: factor_now of it
+    feed: float = 0.0
+    #: how far from the path the axes were seen so far
+    off_path: float = 0.0
+    #: when that was, in seconds of the course
+    off_path_at_s: float = 0.0
+    #: how late on the path they were seen so far
+    lag_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class PathStatus(Record):
+    #: those concerned
+    paths: tuple[PathStatusPaths, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"paths": PathStatusPaths}
 
 
 @dataclass(frozen=True)
@@ -1864,10 +1913,11 @@ class Methods:
         deviation: float | None = None,
         period_ms: int | None = None,
         lenient: bool | None = None,
+        name: str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "points": points}))
+        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "points": points}))
 
     def path_run(
         self,
@@ -1887,12 +1937,13 @@ class Methods:
         deviation: float | None = None,
         period_ms: int | None = None,
         lenient: bool | None = None,
+        name: str | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "plan": plan, "to_start": to_start}))
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
 
     def path_pause(
         self,
@@ -1909,6 +1960,24 @@ class Methods:
     ) -> PathPause:
         """`path.resume` lets them go on."""
         return PathPause.of(self._call("path.resume", {"axes": axes}))
+
+    def path_status(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathStatus:
+        """`path.status` how far the paths of some axes are, and how fast."""
+        return PathStatus.of(self._call("path.status", {"axes": axes}))
+
+    def path_feed(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        factor: float | None = None,
+        hold: bool | None = None,
+    ) -> PathStatus:
+        """`path.feed` slows paths down, speeds them up, holds them and lets them go on."""
+        return PathStatus.of(self._call("path.feed", {"axes": axes, "factor": factor, "hold": hold}))
 
     def path_stop(
         self,
@@ -2854,10 +2923,11 @@ class AsyncMethods:
         deviation: float | None = None,
         period_ms: int | None = None,
         lenient: bool | None = None,
+        name: str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "points": points}))
+        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "points": points}))
 
     async def path_run(
         self,
@@ -2877,12 +2947,13 @@ class AsyncMethods:
         deviation: float | None = None,
         period_ms: int | None = None,
         lenient: bool | None = None,
+        name: str | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "plan": plan, "to_start": to_start}))
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
 
     async def path_pause(
         self,
@@ -2899,6 +2970,24 @@ class AsyncMethods:
     ) -> PathPause:
         """`path.resume` lets them go on."""
         return PathPause.of(await self._call("path.resume", {"axes": axes}))
+
+    async def path_status(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathStatus:
+        """`path.status` how far the paths of some axes are, and how fast."""
+        return PathStatus.of(await self._call("path.status", {"axes": axes}))
+
+    async def path_feed(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        factor: float | None = None,
+        hold: bool | None = None,
+    ) -> PathStatus:
+        """`path.feed` slows paths down, speeds them up, holds them and lets them go on."""
+        return PathStatus.of(await self._call("path.feed", {"axes": axes, "factor": factor, "hold": hold}))
 
     async def path_stop(
         self,

@@ -41,6 +41,8 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"path.run", "path run"},
     {"path.pause", "path pause"},
     {"path.resume", "path resume"},
+    {"path.status", "path status"},
+    {"path.feed", "path feed"},
     {"path.stop", "path stop"},
     {"mint.run", "mint run"},
     {"axis.get_ramp", "plot --compare"},

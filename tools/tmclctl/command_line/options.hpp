@@ -268,6 +268,15 @@ struct RunPath {
   bool lenient = false;
   ShapedPath shaping;
 };
+/// Of a path that is passed.
+struct FeedPath {
+  std::string axis;
+  std::optional<double> factor;  ///< Nothing: as it is.
+  std::optional<bool> hold;      ///< Nothing: as it is.
+};
+struct PathStatus {
+  std::vector<std::string> axes;  ///< None: all paths.
+};
 /// The text of a stand-alone program into a program file.
 struct Assemble {
   std::string file;

@@ -37,6 +37,7 @@ api::path::Plan params_of(const verb::RunPath& verb, const std::string& text) {
   api::path::Plan params;
   params.format = name_of(tmcl::plan::format_of(verb.file, text));
   params.mode = name_of(verb.mode);
+  params.name = verb.file;
   params.tolerance = verb.tolerance;
   params.period_ms = static_cast<std::int32_t>(verb.period.count());
   for (const auto& word : verb.axes) {

@@ -43,6 +43,7 @@ void add_verbs(Grammar& grammar) {
   add_mint_run(grammar, add_mint(grammar));
   const auto path = add_path(grammar);
   add_path_run(grammar, path);
+  add_path_feed(grammar, path);
   add_path_steering(grammar, path);
   add_module_programs(grammar, add_program(grammar));
   add_ramp(grammar);

@@ -60,6 +60,7 @@ Form add_mint(Grammar& grammar);
 void add_mint_run(Grammar& grammar, const Form& mint);
 Form add_path(Grammar& grammar);
 void add_path_run(Grammar& grammar, const Form& path);
+void add_path_feed(Grammar& grammar, const Form& path);
 void add_path_steering(Grammar& grammar, const Form& path);
 Form add_program(Grammar& grammar);
 void add_module_programs(Grammar& grammar, const Form& program);

@@ -159,6 +159,8 @@ struct OfPath {
   TMCL_FIELD(std::optional<bool>, lenient,
              "whether words of G-code that are not known are skipped, with warnings; refused if "
              "absent");
+  TMCL_FIELD(std::optional<std::string>, name,
+             "by what path.status tells it from others, such as the name of its file");
 };
 struct CourseAxis {
   TMCL_STRUCT(CourseAxis);
@@ -250,6 +252,48 @@ struct Pause : OnPaths {
 };
 struct Resume : OnPaths {
   TMCL_METHOD("path.resume", moves, PathAxes, "lets them go on", Resume, OnPaths);
+};
+/// Of a path that is passed. Speeds are along it, in the unit of its file a second.
+struct RunningPath {
+  TMCL_STRUCT(RunningPath);
+  TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
+  TMCL_FIELD(std::optional<std::string>, name, "what path.run calls it");
+  TMCL_FIELD(std::string, mode, "velocity, segments or position");
+  TMCL_FIELD(std::string, phase, "approaching, measuring, running, pausing or ending");
+  TMCL_FIELD(double, passed_s, "how much of its course has been passed, in seconds of that");
+  TMCL_FIELD(double, duration_s, "how long the course takes as it was planned");
+  TMCL_FIELD(double, done, "what part of it has been passed; 0 to 1");
+  TMCL_FIELD(
+      std::optional<double>, left_s,
+      "how long the rest takes with the present override, or with 1 if that is greater; null "
+      "while it is held");
+  TMCL_FIELD(std::optional<std::uint64_t>, line,
+             "of the file, on which it is; null in a table with times");
+  TMCL_FIELD(bool, held, "whether it stands on its path, or is about to");
+  TMCL_FIELD(double, factor, "the override: what part of the planned speed is asked for");
+  TMCL_FIELD(double, factor_now,
+             "what there is of it now; less than is asked for while it changes, and where an axis "
+             "can do no more");
+  TMCL_FIELD(double, planned_feed, "the speed that the course has here");
+  TMCL_FIELD(double, feed, "the speed that there is: factor_now of it");
+  TMCL_FIELD(double, off_path, "how far from the path the axes were seen so far");
+  TMCL_FIELD(double, off_path_at_s, "when that was, in seconds of the course");
+  TMCL_FIELD(double, lag_s, "how late on the path they were seen so far");
+};
+struct RunningPaths {
+  TMCL_STRUCT(RunningPaths);
+  TMCL_FIELD(std::vector<RunningPath>, paths, "those concerned");
+};
+struct Status : OnPaths {
+  TMCL_METHOD("path.status", reads, RunningPaths,
+              "how far the paths of some axes are, and how fast", Status, OnPaths);
+};
+struct Feed : OnPaths {
+  TMCL_METHOD("path.feed", moves, RunningPaths,
+              "slows paths down, speeds them up, holds them and lets them go on", Feed, OnPaths);
+  TMCL_FIELD(std::optional<double>, factor,
+             "the override, 0.1 to 2: what part of the planned speed is asked for");
+  TMCL_FIELD(std::optional<bool>, hold, "whether they stand on their path; false: they go on");
 };
 struct Stop : OnPaths {
   TMCL_METHOD("path.stop", stops, PathAxes,
