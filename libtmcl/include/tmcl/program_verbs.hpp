@@ -4,10 +4,13 @@
 /// for itself (Hold): commands of others wait, and a stop ends the download before it goes out.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <vector>
 
+#include "tmcl/clock.hpp"
 #include "tmcl/program.hpp"
 #include "tmcl/script.hpp"
 
@@ -49,6 +52,30 @@ struct ProgramStatus {
   std::optional<std::int32_t> last_error;    ///< Global parameter 131, where the module has it.
 };
 
+struct StepOptions {
+  /// Addresses: it ends before a command that stands there, but executes the first one anyhow.
+  std::vector<std::uint16_t> until{};
+  std::uint32_t most_steps = 1;
+  /// For one command: a WAIT may take its time.
+  Duration longest_wait = std::chrono::seconds(60);
+  /// Told before each command how many were executed, and now and then while one waits; false ends
+  /// the verb there.
+  std::function<bool(std::uint32_t steps)> progress{};
+};
+
+struct SteppedProgram {
+  enum class Reason : std::uint8_t {
+    at_address,  ///< The next command is at one of the addresses.
+    ended,       ///< The program has ended, failed, or was stopped.
+    steps,       ///< So many commands were executed.
+    waits,       ///< A WAIT takes longer than it may here. It goes on, and the program halts then.
+    cancelled,   ///< By `progress`. A WAIT goes on.
+  };
+  Reason reason = Reason::steps;
+  std::uint32_t steps = 0;  ///< Commands that were executed, one that still waits included.
+  ProgramStatus status{};
+};
+
 namespace verbs {
 
 /// Loads a program and compares what the module holds then. In an order in which no half of it can
@@ -82,6 +109,9 @@ Script<Result<void>> step_program(ModuleAddress module);
 /// Ends the program and sets it back to its start (RESET_APPLICATION).
 Script<Result<void>> reset_program(ModuleAddress module);
 Script<Result<ProgramStatus>> program_status(ModuleAddress module);
+/// Executes commands one by one. Errors, besides those of the exchanges: Errc::refused_by_module,
+/// unsent, where a program runs, or the module does not tell the address of the next command.
+Script<Result<SteppedProgram>> step_program_to(ModuleAddress module, StepOptions options);
 
 // Breakpoints. No document at hand tells the types of command 141; here 0 adds, 1 deletes, 2
 // deletes all, and 3 asks how many there may be.
