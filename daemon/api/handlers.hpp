@@ -101,6 +101,7 @@ Answer<program::Read> read_program(Call& call, const program::Read& params);
 Answer<program::Run> run_program(Call& call, const program::Run& params);
 Answer<program::Stop> stop_program(Call& call, const program::Stop& params);
 Answer<program::Step> step_program(Call& call, const program::Step& params);
+Answer<program::StepTo> step_program_to(Call& call, const program::StepTo& params);
 Answer<program::Reset> reset_program(Call& call, const program::Reset& params);
 Answer<program::Status> program_status(Call& call, const program::Status& params);
 Answer<program::SetBreakpoint> set_breakpoint(Call& call, const program::SetBreakpoint& params);

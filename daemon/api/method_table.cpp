@@ -131,6 +131,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::run_program>(operate),
     method<handlers::stop_program>(operate),
     method<handlers::step_program>(operate),
+    method<handlers::step_program_to>(operate),
     method<handlers::reset_program>(operate),
     method<handlers::program_status>(observe),
     method<handlers::set_breakpoint>(configure),

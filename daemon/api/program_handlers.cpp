@@ -8,6 +8,8 @@ namespace {
 
 using tmcl::program::Program;
 
+constexpr std::uint32_t usual_most_steps = 1000;
+
 Result<Program> program_of(const std::string& text) {
   return tmcl::program::from_hex(text).map_error([](const std::string& problem) {
     return param_error<&program::Load::program>("bad_argument", "'program': " + problem);
@@ -61,6 +63,53 @@ Task<program::Started> start(Call& call, Result<ModuleChoice> module,
   co_return program::Started{true};
 }
 
+std::string_view name_of(tmcl::SteppedProgram::Reason reason) {
+  using enum tmcl::SteppedProgram::Reason;
+  switch (reason) {
+    case at_address: return "address";
+    case ended:
+    case cancelled: return "ended";
+    case steps: return "steps";
+    case waits: return "waits";
+  }
+  return {};
+}
+
+/// Told with each command, and each time that one waits; ends the verb when its client has gone.
+std::function<bool(std::uint32_t)> progress_of_steps(const Call& call, const ModuleChoice& module,
+                                                     std::uint32_t most_steps) {
+  return [gateway = call.gateway, peer = call.peer, tell = call.progress_reporter(),
+          bus = module.bus->name(), address = number(module.address),
+          most_steps](std::uint32_t steps) {
+    tell(LoadProgress{bus, address, "stepping", steps, most_steps});
+    return !peer->is_gone() && !gateway->is_closing();
+  };
+}
+
+/// All that the module has, whether an axis is configured for them or not.
+Task<Nothing> stop_motors(const Call& call, const ModuleChoice& module) {
+  const auto* known = module.bus->find_module(module.address);
+  const auto* model = known == nullptr ? nullptr : known->model();
+  const int motors = model == nullptr ? 1 : model->axes;
+  for (int motor = 0; motor < motors; ++motor) {
+    const tmcl::AxisAddress address{module.address, static_cast<std::uint8_t>(motor)};
+    if (const auto axis = call.gateway->find_axis(*module.bus, address)) {
+      co_await axis->stop();
+    } else {
+      co_await module.bus->run(tmcl::verbs::stop(address), asked_by(call.permit.client));
+    }
+  }
+  co_return Nothing{};
+}
+
+/// A client that has gone sees nothing any more of what it has let move.
+Task<Nothing> end_for_gone_client(const Call& call, const ModuleChoice& module) {
+  const StopInProgress in_progress(call.gateway);
+  co_await module.bus->run(tmcl::verbs::stop_program(module.address), asked_by(call.permit.client));
+  auto stopped = co_await stop_motors(call, module);
+  co_return stopped;
+}
+
 }  // namespace
 
 Answer<program::Load> load_program(Call& call, const program::Load& params) {
@@ -97,6 +146,29 @@ Answer<program::Stop> stop_program(Call& call, const program::Stop& params) {
 Answer<program::Step> step_program(Call& call, const program::Step& params) {
   return start(call, module_of(call, params), tmcl::verbs::step_program(address_of(params)));
 }
+Answer<program::StepTo> step_program_to(Call& call, const program::StepTo& params) {
+  const auto module = co_await must(module_of(call, params, {}));
+  tmcl::StepOptions options;
+  options.until = params.until.value_or(std::vector<std::uint16_t>{});
+  options.most_steps = params.most_steps.value_or(params.until ? usual_most_steps : 1);
+  options.longest_wait = std::chrono::milliseconds(params.wait_ms.value_or(program::usual_wait_ms));
+  options.progress = progress_of_steps(call, module, options.most_steps);
+  RunOptions how;
+  how.permit = call.permit;
+  auto script = tmcl::verbs::step_program_to(module.address, std::move(options));
+  auto stepped = co_await module.bus->run(std::move(script), std::move(how));
+  if (call.peer->is_gone()) co_await end_for_gone_client(call, module);
+  if (!stepped && stepped.error().bus.empty()) stepped.error().bus = module.bus->name();
+  const auto& done = co_await must(std::move(stepped));
+  call.unattended = true;
+  co_return program::Stepped{std::string(name_of(done.reason)),
+                             done.steps,
+                             std::string(name_of(done.status.state)),
+                             done.status.next_address,
+                             done.status.last_error,
+                             true};
+}
+
 Answer<program::Reset> reset_program(Call& call, const program::Reset& params) {
   return act_on(call, params, tmcl::verbs::reset_program(address_of(params)));
 }

@@ -151,6 +151,7 @@ inline const std::vector<MethodCall> all{
      {{"program.load", program}}},
     {"program.stop", module_2},
     {"program.step", module_2, {{"program.load", program}}},
+    {"program.step_to", R"({"bus":"bench","address":2,"until":[1]})", {{"program.load", program}}},
     {"program.reset", module_2},
     {"program.status", module_2},
     {"program.set_breakpoint", R"({"bus":"bench","address":2,"at":1})"},

@@ -86,8 +86,8 @@ class CtlBench {
     for (const auto& list : {how, words}) {
       for (const auto& word : list) line += " '" + word + "'";
     }
-    const auto finished =
-        run_program({"/bin/sh", "-c", line + " >'" + file("out") + "' 2>'" + file("err") + "'"});
+    const auto finished = run_program(
+        {"/bin/sh", "-c", line + " </dev/null >'" + file("out") + "' 2>'" + file("err") + "'"});
     return {finished.status, contents(file("out")), contents(file("err"))};
   }
   boost::json::object json(Words how, const Words& words) const {

@@ -93,6 +93,7 @@ const std::vector<std::string> lines{
     "program status 1",
     "program stop 1",
     "program reset 1",
+    "program debug FOLDER/stop.tmc 1",
     "firmware check FOLDER/firmware.hex 1",
     "firmware upload FOLDER/firmware.hex 3",
     "mint run FOLDER/go.mint --axis 0=1/0",

@@ -62,12 +62,23 @@ class FakeHost final : public Host {
   }
   void catch_pauses() override {}
   bool pause_asked() const override { return false; }
+  std::optional<std::string> take_line() override {
+    if (lines.empty()) return std::nullopt;
+    auto line = lines.front();
+    lines.pop_front();
+    return line;
+  }
+  bool has_input_ended() const override { return lines.empty() && ctrl_c_at_ == never_; }
+
+  /// On standard input, which ends then, unless Ctrl-C is to come.
+  std::deque<std::string> lines;
 
   void press_ctrl_c_after(tmcl::Duration duration) { ctrl_c_at_ = now_ + duration; }
 
  private:
   tmcl::TimePoint now_{std::chrono::hours(1)};
-  tmcl::TimePoint ctrl_c_at_ = tmcl::TimePoint::max();
+  static constexpr tmcl::TimePoint never_ = tmcl::TimePoint::max();
+  tmcl::TimePoint ctrl_c_at_ = never_;
   bool caught_ = false;
 };
 

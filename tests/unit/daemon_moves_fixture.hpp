@@ -132,6 +132,7 @@ inline std::vector<MovingExample> moving_examples() {
       one("module.factory_reset", at_module()),
       one("program.run", at_module()),
       one("program.step", at_module()),
+      one("program.step_to", at_module()),
       {{{"firmware.stage", {{"offset", 0}, {"data", image}}},
         {"firmware.upload", at_module({{"start", 0}, {"bytes", 16}, {"force", true}})}}},
   };

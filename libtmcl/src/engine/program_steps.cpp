@@ -115,7 +115,6 @@ class Steps {
     ++steps_;
     const auto waited = co_await must(wait(from));
     if (waited) co_return waited;
-    tells_steps_ = tells_steps_ || stand_.state == State::stepping;
     if (stand_.state == State::stopped) {
       const bool ended = co_await must(ends_here(from));
       if (ended) co_return std::optional(Reason::ended);
@@ -142,6 +141,7 @@ class Steps {
     const auto begin = co_await current_time();
     for (int looks = 1;; ++looks) {
       stand_ = co_await must(stand_of(module_));
+      tells_steps_ = tells_steps_ || stand_.state == State::stepping;
       if (stand_.next != from || stand_.state == State::stopped) break;
       if (looks == 1) {
         const auto line = co_await must(line_at(module_, from));

@@ -100,6 +100,7 @@ EFFECTS: Mapping[str, str] = {
     "program.run": "moves",
     "program.stop": "writes",
     "program.step": "moves",
+    "program.step_to": "moves",
     "program.reset": "writes",
     "program.status": "reads",
     "program.set_breakpoint": "writes",
@@ -1523,6 +1524,23 @@ class ProgramRun(Record):
 
 
 @dataclass(frozen=True)
+class ProgramStepTo(Record):
+    #: address: the next command is at one of them; ended: the program has ended, failed or was
+    #: stopped; steps: so many were executed; waits: the command is not over yet
+    reason: str = ""
+    #: how many commands were executed, one that waits included
+    steps: int = 0
+    #: stopped, running, stepping or reset
+    state: str = ""
+    #: the next command
+    next_address: int | None = None
+    #: 0: none; null if the module does not say
+    last_error: int | None = None
+    #: true: what the program sets turning has no owner, and turns on when a connection ends
+    unattended: bool = False
+
+
+@dataclass(frozen=True)
 class ProgramStatus(Record):
     #: stopped, running, stepping or reset
     state: str = ""
@@ -2575,6 +2593,19 @@ class Methods:
         """`program.step` executes one command of the program."""
         return ProgramRun.of(self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
 
+    def program_step_to(
+        self,
+        bus: str,
+        address: int,
+        *,
+        until: Sequence[int] | None = None,
+        most_steps: int | None = None,
+        wait_ms: int | None = None,
+    ) -> ProgramStepTo:
+        """`program.step_to` executes commands of the program one by one, until it stands before
+        one of these; tells its progress by notify_progress."""
+        return ProgramStepTo.of(self._call("program.step_to", {"bus": bus, "address": address, "until": until, "most_steps": most_steps, "wait_ms": wait_ms}))
+
     def program_reset(
         self,
         bus: str,
@@ -3584,6 +3615,19 @@ class AsyncMethods:
     ) -> ProgramRun:
         """`program.step` executes one command of the program."""
         return ProgramRun.of(await self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    async def program_step_to(
+        self,
+        bus: str,
+        address: int,
+        *,
+        until: Sequence[int] | None = None,
+        most_steps: int | None = None,
+        wait_ms: int | None = None,
+    ) -> ProgramStepTo:
+        """`program.step_to` executes commands of the program one by one, until it stands before
+        one of these; tells its progress by notify_progress."""
+        return ProgramStepTo.of(await self._call("program.step_to", {"bus": bus, "address": address, "until": until, "most_steps": most_steps, "wait_ms": wait_ms}))
 
     async def program_reset(
         self,

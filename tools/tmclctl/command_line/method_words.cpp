@@ -99,6 +99,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"program.run", "program run"},
     {"program.stop", "program stop"},
     {"program.step", "program step"},
+    {"program.step_to", "program debug"},
     {"program.reset", "program reset"},
     {"program.status", "program status"},
     {"program.set_breakpoint", "program breakpoint"},

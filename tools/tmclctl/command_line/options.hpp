@@ -442,6 +442,12 @@ struct Download {
   std::string output;  ///< Empty: as text to standard output; *.bin: a program file; else text.
   std::optional<std::int32_t> first_address, length;
 };
+/// A program in a module, command by command.
+struct DebugProgram {
+  std::string file;
+  std::string module;
+  bool upload = false;
+};
 /// A program that has some axes for itself.
 struct RunLeased {
   std::vector<std::string> axes;

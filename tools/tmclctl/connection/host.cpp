@@ -1,6 +1,7 @@
 #include "host.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <iostream>
 
@@ -18,6 +19,8 @@ void note_pause(int number) { pause_wanted = number == SIGTSTP && pause_wanted =
 
 // A signal that comes just before the sleep begins is noticed after so long at the latest.
 constexpr auto longest_sleep = std::chrono::milliseconds(100);
+/// A longer one is handed out in parts.
+constexpr std::size_t longest_line = 4096;
 
 }  // namespace
 
@@ -40,6 +43,28 @@ std::optional<bool> RealHost::confirm(const std::string& question) {
   std::string said;
   std::getline(std::cin, said);
   return said == "y" || said == "Y" || said == "yes";
+}
+
+void RealHost::read_input() {
+  while (!input_ended_ && input_.find('\n') == std::string::npos && input_.size() < longest_line) {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (::poll(&input, 1, 0) <= 0) return;
+    char part[longest_line];
+    const auto count = ::read(STDIN_FILENO, part, longest_line - input_.size());
+    if (count < 0 && errno == EINTR) return;
+    if (count <= 0) input_ended_ = true;
+    if (count > 0) input_.append(part, static_cast<std::size_t>(count));
+  }
+}
+
+std::optional<std::string> RealHost::take_line() {
+  read_input();
+  const auto end = input_.find('\n');
+  const bool is_last = input_ended_ && !input_.empty();
+  if (end == std::string::npos && !is_last && input_.size() < longest_line) return std::nullopt;
+  auto line = input_.substr(0, end);
+  input_.erase(0, end == std::string::npos ? end : end + 1);
+  return line;
 }
 
 void RealHost::sleep(tmcl::Duration duration) {

@@ -29,6 +29,10 @@ class Host {
   virtual bool pause_asked() const = 0;
   /// Whether a person on the terminal says yes; nothing if none is there.
   virtual std::optional<bool> confirm(const std::string& /*question*/) { return std::nullopt; }
+  /// The next line of standard input without its end; nothing while it is not there. Never waits.
+  virtual std::optional<std::string> take_line() { return std::nullopt; }
+  /// No line comes any more.
+  virtual bool has_input_ended() const { return true; }
 };
 
 /// Real time and real signals.
@@ -43,9 +47,15 @@ class RealHost final : public Host {
   void catch_pauses() override;
   bool pause_asked() const override;
   std::optional<bool> confirm(const std::string& question) override;
+  std::optional<std::string> take_line() override;
+  bool has_input_ended() const override { return input_ended_ && input_.empty(); }
 
  private:
+  void read_input();
+
   tmcl::RealClock clock_;
+  std::string input_;  ///< That is no line yet.
+  bool input_ended_ = false;
 };
 
 }  // namespace tmclctl

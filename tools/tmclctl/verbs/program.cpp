@@ -89,6 +89,17 @@ Result<Assembly> assemble_file(const std::string& path, Output& output, const tm
   return tl::unexpected(error_from(path, assembly.error(), tmcl::program::most_problems, output));
 }
 
+Result<Assembly> assembly_from(const std::string& path, Output& output, const tmcl::Model* model) {
+  if (!path.ends_with(".bin")) return assemble_file(path, output, model);
+  const auto program = read_program(path);
+  if (!program) return tl::unexpected(program.error());
+  const auto text = tmcl::program::disassemble(*program);
+  auto assembly = tmcl::program::assemble(
+      path, [&](const std::string&) -> tl::expected<std::string, std::string> { return text; });
+  if (assembly) return std::move(*assembly);
+  return tl::unexpected(error_from(path, assembly.error(), tmcl::program::most_problems, output));
+}
+
 Result<Program> program_from(const std::string& path, Output& output) {
   if (path.ends_with(".bin")) return read_program(path);
   return assemble_file(path, output).map([](Assembly assembly) {

@@ -45,7 +45,9 @@ void add_verbs(Grammar& grammar) {
   add_path_run(grammar, path);
   add_path_feed(grammar, path);
   add_path_steering(grammar, path);
-  add_module_programs(grammar, add_program(grammar));
+  const auto program = add_program(grammar);
+  add_module_programs(grammar, program);
+  add_program_debug(grammar, program);
   add_ramp(grammar);
   add_resonance(grammar);
   add_convert(grammar);

@@ -64,6 +64,7 @@ void add_path_feed(Grammar& grammar, const Form& path);
 void add_path_steering(Grammar& grammar, const Form& path);
 Form add_program(Grammar& grammar);
 void add_module_programs(Grammar& grammar, const Form& program);
+void add_program_debug(Grammar& grammar, const Form& program);
 void add_ramp(Grammar& grammar);
 void add_resonance(Grammar& grammar);
 void add_convert(Grammar& grammar);

@@ -1,6 +1,8 @@
 /// The methods of stand-alone programs and of firmware.
 #pragma once
 
+#include <vector>
+
 #include "tmcl/api/module.hpp"
 #include "tmcl/firmware.hpp"
 
@@ -59,6 +61,37 @@ struct Stop : SoonOnModule {
 struct Step : SoonOnModule {
   TMCL_METHOD("program.step", moves, Started, "executes one command of the program", Step,
               SoonOnModule);
+};
+constexpr std::int64_t most_steps_at_once = 100'000;
+constexpr std::int64_t longest_wait_ms = 3'600'000;
+constexpr std::int64_t usual_wait_ms = 60'000;
+struct Stepped {
+  TMCL_STRUCT(Stepped);
+  TMCL_FIELD(std::string, reason,
+             "address: the next command is at one of them; ended: the program has ended, failed or "
+             "was stopped; steps: so many were executed; waits: the command is not over yet");
+  TMCL_FIELD(std::uint32_t, steps, "how many commands were executed, one that waits included");
+  TMCL_FIELD(std::string, state, "stopped, running, stepping or reset");
+  TMCL_FIELD(std::optional<std::int32_t>, next_address, "the next command");
+  TMCL_FIELD(std::optional<std::int32_t>, last_error, "0: none; null if the module does not say");
+  TMCL_FIELD(
+      bool, unattended,
+      "true: what the program sets turning has no owner, and turns on when a connection ends");
+};
+struct StepTo : OnModule {
+  TMCL_METHOD("program.step_to", moves, Stepped,
+              "executes commands of the program one by one, until it stands before one of these; "
+              "tells its progress by notify_progress",
+              StepTo, OnModule);
+  TMCL_FIELD(std::optional<std::vector<std::uint16_t>>, until,
+             "addresses in the program: it ends before a command there, but executes the first one "
+             "anyhow",
+             program_addresses);
+  TMCL_FIELD(std::optional<std::uint32_t>, most_steps,
+             "how many commands at most; 1 if absent, or 1000 with `until`",
+             {1, most_steps_at_once});
+  TMCL_FIELD(std::optional<std::int64_t>, wait_ms,
+             "how long one command may take, such as WAIT; 60000 if absent", {0, longest_wait_ms});
 };
 struct Reset : SoonOnModule {
   TMCL_METHOD("program.reset", writes, Nothing, "ends the program and sets it back to its start",
