@@ -63,6 +63,8 @@ class Module final {
   const Model& model() const { return *state_.model; }
   const Globals& globals() const { return state_.globals; }
   Eeprom& eeprom() { return state_.eeprom; }
+  /// Of its stand-alone program, what no command tells.
+  Processor::Inside program_inside() const { return programs_.application().inside(); }
   const Io& io() const { return state_.io; }
   /// The world outside drives an input now. False for a port or value that does not exist.
   bool set_input(std::uint8_t port, bool high);

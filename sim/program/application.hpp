@@ -72,6 +72,7 @@ class Application {
   /// The status that explains why the program ended; 0 if it did not fail. What real modules put
   /// there is not documented.
   std::int32_t last_error() const;
+  Processor::Inside inside() const { return processor_.inside(); }
 
   /// See Processor.
   void run_due(TimePoint now) { processor_.run_due(now); }

@@ -55,6 +55,12 @@ bool Processor::active() const {
   return state_ == State::running || (state_ == State::stepping && step_pending_);
 }
 
+Processor::Inside Processor::inside() const {
+  const auto resumes = interrupted_ ? std::optional(interrupted_->counter) : std::nullopt;
+  return {state_,  counter_, last_error_, calculator_.registers, errors_, calls_,
+          resumes, active(), ready_};
+}
+
 bool Processor::add_breakpoint(std::uint16_t address) {
   if (std::ranges::find(breakpoints_, address) != breakpoints_.end()) return true;
   if (breakpoints_.size() == most_breakpoints) return false;

@@ -81,6 +81,20 @@ class Processor {
   /// Why the program ended; nothing if it did not fail.
   std::optional<Status> last_error() const { return last_error_; }
 
+  /// What no real module tells.
+  struct Inside {
+    State state = State::stopped;
+    std::uint16_t counter = 0;
+    std::optional<Status> last_error{};
+    Calculator::Registers registers{};
+    std::uint8_t errors = 0;                 ///< A bit for each of ETO, EAL, EDV, EPO and ESD.
+    std::vector<std::uint16_t> calls{};      ///< Where subroutines return to, the outermost first.
+    std::optional<std::uint16_t> resumes{};  ///< Within an interrupt: where the program goes on.
+    bool is_busy = false;                    ///< It runs, or a step is not over.
+    TimePoint ready{};                       ///< When the next command can begin.
+  };
+  Inside inside() const;
+
   /// The program halts before it executes this command. False if there are too many already.
   bool add_breakpoint(std::uint16_t address);
   void remove_breakpoint(std::uint16_t address);

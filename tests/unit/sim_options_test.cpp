@@ -45,6 +45,21 @@ TEST(SimOptions, AGatewayTakesNoPort) {
               HasSubstr("--gateway takes no port"));
 }
 
+TEST(SimOptions, ADebuggerTakesNoPortAndOneModule) {
+  EXPECT_THAT(error_of({"--module", "TMCM-1110", "--debug", "loop.tmc"}),
+              HasSubstr("--debug takes no port"));
+  const auto parsed = [](const std::vector<const char*>& words) {
+    return parse_options(static_cast<int>(words.size()), words.data());
+  };
+  const auto one = parsed({"tmclsim", "--module", "TMCM-1110", "--debug", "loop.tmc"});
+  ASSERT_TRUE(one) << one.error().message;
+  EXPECT_EQ(one->debug, "loop.tmc");
+  const auto two =
+      parsed({"tmclsim", "--module", "TMCM-1110", "--module", "TMCM-1110", "--debug", "loop.tmc"});
+  ASSERT_FALSE(two);
+  EXPECT_THAT(two.error().message, HasSubstr("--debug takes one module"));
+}
+
 TEST(SimOptions, AFirmwareHasAModuleOfItsOwn) {
   EXPECT_THAT(error_of({"--firmware", "1.09", "--module", "TMCM-1110"}),
               HasSubstr("--firmware 1.09 stands before any --module"));

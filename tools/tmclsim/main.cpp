@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include <unistd.h>
+
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 
@@ -21,6 +23,7 @@
 #include "log/log.hpp"
 #include "options.hpp"
 #include "own_gateway.hpp"
+#include "program_debug.hpp"
 #include "replay.hpp"
 #include "sim/bench.hpp"
 #include "sim/ports/can_port.hpp"
@@ -209,6 +212,19 @@ int run_replay(const tmclsim::Options& options) {
   return report.all_equal() ? 0 : exit_failed;
 }
 
+int run_debug(const tmclsim::Options& options) {
+  const auto& spec = options.modules.front();
+  const auto build = [&](sim::Bench& bench) {
+    auto& module = bench.add(*spec.model, spec.address, spec.settings);
+    for (std::size_t motor = 0; motor < spec.stages.size(); ++motor)
+      module.mount(motor, spec.stages[motor]);
+    surround(module, spec.surroundings);
+  };
+  const bool is_typed = ::isatty(STDIN_FILENO) != 0 && ::isatty(STDOUT_FILENO) != 0;
+  return tmclsim::debug_program(options.debug, *spec.model, build, std::cin, std::cout, std::cerr,
+                                is_typed);
+}
+
 int run(const tmclsim::Options& options) {
   boost::asio::io_context io(1);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
@@ -278,6 +294,7 @@ int main(int argc, char** argv) try {
     (exit.status == 0 ? std::cout : std::cerr) << exit.message;
     return exit.status;
   }
+  if (!options->debug.empty()) return run_debug(*options);
   if (!options->replay.empty()) return run_replay(*options);
   return options->gateway.empty() ? run(*options) : run_with_gateway(*options);
 } catch (const std::exception& error) {

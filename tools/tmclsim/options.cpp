@@ -17,9 +17,9 @@ namespace tmclsim {
 namespace {
 
 constexpr auto known_options = std::to_array<std::string_view>(
-    {"--module", "--firmware", "--as", "--bench", "--pty", "--usb-pty", "--usb", "--can", "--tcp",
-     "--pace", "--echo", "--noise", "--eeprom", "--seed", "--gateway", "--replay", "--console",
-     "--help", "--version"});
+    {"--module",  "--firmware", "--as",    "--bench",   "--pty",   "--usb-pty", "--usb",
+     "--can",     "--tcp",      "--pace",  "--echo",    "--noise", "--eeprom",  "--seed",
+     "--gateway", "--replay",   "--debug", "--console", "--help",  "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -152,6 +152,12 @@ record should begin where the module had just been switched on, or been set up. 
 motor that moves may differ by what it goes in some microseconds, and so does the tick timer.
     tmclsim --module TMCM-1110 --as measured.toml --replay bench.pcapng
 
+With --debug, there is no port: a program's text is executed on the one module command by command, in
+virtual time, as lines on standard input say: step, continue, break LABEL, back, registers, variables,
+watch 3, watch 0 actual_position ...; help shows all. Time stands still between two commands. 'tmclctl
+program debug' does the same on a module, but for back and registers, which no module tells.
+    tmclsim --module TMCM-1110 --debug loop.tmc
+
 With --eeprom, what modules store (STAP, SGP, programs, coordinates) is in a file for each, such as
 DIR/TMCM-1110@1.eeprom, and is there again next time. The name is that of the command line; a module
 whose address was changed has the new one.
@@ -240,6 +246,9 @@ void describe(CLI::App& app, OptionWords& words) {
       ->type_name("FILE");
   app.add_option("--replay", words.options.replay,
                  "Ask the modules what FILE has recorded, and compare what they answer (see below)")
+      ->type_name("FILE");
+  app.add_option("--debug", words.options.debug,
+                 "Execute the program of FILE on the module command by command (see below)")
       ->type_name("FILE");
   app.add_flag("--console", words.options.console,
                "Take commands on standard input: loads, switches, inputs (see below)");
@@ -343,7 +352,19 @@ tl::expected<void, EarlyExit> check_wires(OptionWords& words, bool has_pace) {
   return {};
 }
 
-tl::expected<void, EarlyExit> check_ways(const Options& options, bool has_port) {
+tl::expected<void, EarlyExit> check_debug(const OptionWords& words, bool has_port) {
+  const auto& options = words.options;
+  if (has_port || options.console || !options.gateway.empty() || !options.replay.empty() ||
+      !options.eeprom_folder.empty())
+    return tl::unexpected(
+        wrong("--debug takes no port, console, gateway, replay or EEPROM: its module is "
+              "switched on anew to go back."));
+  return {};
+}
+
+tl::expected<void, EarlyExit> check_ways(const OptionWords& words, bool has_port) {
+  const auto& options = words.options;
+  if (!options.debug.empty()) return check_debug(words, has_port);
   const bool replays = !options.replay.empty();
   const bool has_gateway = !options.gateway.empty();
   if (replays && (has_port || options.console || has_gateway))
@@ -367,13 +388,15 @@ tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
   const auto& ports = words.options;
   const bool has_usb = !words.usb_ptys.empty() || !words.usb_devices.empty();
   const bool has_serial = !ports.ptys.empty() || !words.tcp.empty();
-  if (auto checked = check_ways(ports, has_usb || has_serial || !ports.can_interfaces.empty());
+  if (auto checked = check_ways(words, has_usb || has_serial || !ports.can_interfaces.empty());
       !checked)
     return tl::unexpected(checked.error());
   if (auto checked = check_wires(words, has_pace); !checked) return tl::unexpected(checked.error());
   auto modules = all_modules(words);
   if (!modules) return tl::unexpected(wrong(modules.error()));
   if (modules->empty()) return tl::unexpected(wrong(words.bench + " describes no module."));
+  if (!ports.debug.empty() && modules->size() != 1)
+    return tl::unexpected(wrong("--debug takes one module."));
   words.options.modules = std::move(*modules);
   auto usb_ptys = parse_usb_ports(words.usb_ptys, words.options.modules);
   if (!usb_ptys) return tl::unexpected(wrong(usb_ptys.error()));

@@ -32,6 +32,7 @@ struct Options {
   Wires wires;
   bool console = false;
   std::string gateway;        ///< A configuration of tmcld, for one in virtual time; empty: none.
+  std::string debug;          ///< The text of a program to debug; empty: none.
   std::string replay;         ///< A file with recorded traffic; empty: none.
   std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
 };
