@@ -1,6 +1,7 @@
 // What the driver gives a motor, and whether its rotor follows.
 #include <algorithm>
 #include <cstdlib>
+#include <random>
 
 #include "sim/module/axis_driver.hpp"
 #include "tmcl/parameter_number.hpp"
@@ -97,7 +98,8 @@ void AxisDriver::watch_rotor() {
 
 bool AxisDriver::changes_by_itself() const {
   const bool may_cool = axis_.values[number_of("smart_energy_hysteresis_start")] != 0;
-  return may_cool || changes_with_speed(axis_.coupling.stage().settings());
+  const auto& stage = axis_.coupling.stage().settings();
+  return may_cool || stage.load_value_noise != 0 || changes_with_speed(stage);
 }
 
 TimePoint AxisDriver::next_tick() const {
@@ -206,10 +208,22 @@ std::int32_t AxisDriver::torque_current() const {
 
 std::int32_t AxisDriver::load_value() const {
   if (axis_.motor->heading() == 0 || axis_.coupling.is_held()) return 0;
+  const auto& stage = axis_.coupling.stage().settings();
   const auto threshold = axis_.values[number_of("stallguard2_threshold")];
-  const auto reading = free_reading + reading_per_threshold * threshold -
-                       relative_load(axis_.coupling.stage().settings(), motor_state());
+  const auto fall = stage.load_value_slope * relative_load(stage, motor_state()) / full_torque;
+  const auto reading = free_reading + reading_per_threshold * threshold - fall + noise();
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(reading, 0, greatest_reading));
+}
+
+// The same for as long as nothing is looked at: it does not matter when it is read.
+std::int64_t AxisDriver::noise() const {
+  const auto most = axis_.coupling.stage().settings().load_value_noise;
+  if (most == 0) return 0;
+  const auto period = (axis_.now - axis_.power_on) / model_period;
+  std::minstd_rand random(static_cast<std::uint32_t>(period + 1));
+  // Its first numbers are like the seed.
+  random.discard(7);
+  return std::uniform_int_distribution(-most, most)(random);
 }
 
 // Older drivers have eight of them.

@@ -35,6 +35,7 @@ class AxisDriver {
  private:
   TimePoint next_tick() const;
   bool may_stall() const;
+  std::int64_t noise() const;
   void measure_load();
   bool changes_by_itself() const;
   MotorState motor_state() const;

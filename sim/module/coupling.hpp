@@ -33,8 +33,11 @@ class Coupling {
 
   /// The stage does not follow where the motor turns.
   bool is_held() const { return slips_ || stage_->holds(on_stage(motor_->heading())); }
-  /// It would not follow in one direction at least: to turn round changes that, without any way.
-  bool is_at_end() const { return slips_ || stage_->holds(-1) || stage_->holds(1); }
+  /// It would not follow in one direction at least, or not at once: to turn round changes that,
+  /// without any way.
+  bool is_at_end() const {
+    return slips_ || stage_->holds(-1) || stage_->holds(1) || stage_->settings().backlash != 0;
+  }
   /// In microsteps of the motor and its directions: how far it can go before something about the
   /// stage changes.
   Reach reach() const;

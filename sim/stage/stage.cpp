@@ -25,7 +25,8 @@ bool contains(Interval interval, Place place) {
 
 }  // namespace
 
-Stage::Stage(const StageSettings& settings) : settings_(settings), position_(settings.position) {
+Stage::Stage(const StageSettings& settings)
+    : settings_(settings), position_(settings.position), load_(settings.position) {
   if (settings.resonance) swing_.emplace(*settings.resonance);
   settle(true);
 }
@@ -40,6 +41,7 @@ void Stage::move(Place way) {
   const auto least = settings_.left_stop.value_or(-far);
   const auto most = settings_.right_stop.value_or(far);
   position_ = std::clamp(position_ + way, std::min(least, position_), std::max(most, position_));
+  load_ = std::clamp(load_, position_ - settings_.backlash, position_);
   settle(false);
 }
 
@@ -123,7 +125,7 @@ std::int64_t Stage::counts_at(Place position) const {
 }
 
 Place Stage::load_position() const {
-  return swing_ ? position_ + std::llround(swing_->offset()) : position_;
+  return swing_ ? load_ + std::llround(swing_->offset()) : load_;
 }
 
 std::int64_t Stage::encoder_counts() const {
@@ -140,10 +142,19 @@ std::int32_t Stage::encoder_angle() const {
 
 Reach Stage::encoder_reach() const {
   if (!settings_.encoder) return {};
+  auto reach = reach_of_count();
+  // What the motor makes up for before the load moves.
+  reach.back += position_ - load_;
+  reach.ahead += settings_.backlash - (position_ - load_);
+  return reach;
+}
+
+/// How far the load can go.
+Reach Stage::reach_of_count() const {
   const auto turn = microsteps_per_full_step * settings_.full_steps_per_turn;
   const auto counts = std::int64_t{settings_.encoder->counts_per_turn};
-  const auto turns = floor_div(position_, turn);
-  const auto rest = position_ - turns * turn;
+  const auto turns = floor_div(load_, turn);
+  const auto rest = load_ - turns * turn;
   const bool backwards = settings_.encoder->backwards;
   // The places within this turn at which the same count begins and ends.
   const auto count = backwards ? ceil_div(rest * counts, turn) - 1 : floor_div(rest * counts, turn);

@@ -47,9 +47,14 @@ struct StageSettings {
   /// The same: only below it a motor that has lost its steps catches on. Without one, at any speed.
   std::optional<std::int32_t> pull_in_speed{};
   bool torque_follows_current = false;  ///< Otherwise every current is the full one.
-  DriverFaults faults{};                ///< Of the driver, and of the cable to the motor.
+  /// So far the load value (206) falls when the motor is asked for all it has.
+  std::int32_t load_value_slope = 1000;
+  std::int32_t load_value_noise = 0;  ///< It is read so much too high or too low at most.
+  DriverFaults faults{};              ///< Of the driver, and of the cable to the motor.
   /// Of the load; the encoder is on that. Without one it is rigidly joined to the motor.
   std::optional<Resonance> resonance{};
+  /// So far the motor turns before the load, with the encoder, follows it the other way.
+  Place backlash = 0;
 };
 
 /// Levels at the module's inputs, before it makes anything of them.
@@ -124,9 +129,11 @@ class Stage {
   std::optional<Interval> right() const;
   std::int64_t counts_at(Place position) const;
   Place load_position() const;
+  Reach reach_of_count() const;
 
   StageSettings settings_;
   Place position_ = 0;
+  Place load_ = 0;  ///< Where the load is: behind the motor by its backlash at most.
   std::int64_t slip_ = 0;
   std::optional<Swing> swing_;
   Contact left_;

@@ -264,6 +264,9 @@ TEST(BenchFile, LimitsAMotor) {
     corner_speed = 600
     pull_in_speed = 0
     torque_follows_current = true
+    load_value_slope = 700
+    load_value_noise = 12
+    backlash = 33
     driver_faults = ["short_a", "open_load_b"]
     encoder_counts_per_turn = 4000
     resonance = 12
@@ -276,6 +279,9 @@ TEST(BenchFile, LimitsAMotor) {
   EXPECT_EQ(stage.corner_speed, 600);
   EXPECT_EQ(stage.pull_in_speed, 0);
   EXPECT_TRUE(stage.torque_follows_current);
+  EXPECT_EQ(stage.load_value_slope, 700);
+  EXPECT_EQ(stage.load_value_noise, 12);
+  EXPECT_EQ(stage.backlash, 33);
   EXPECT_EQ(stage.faults.bits(), 0x48);
   EXPECT_EQ(stage.resonance.value().frequency_hz, 12);
   EXPECT_EQ(stage.resonance.value().damping, 0.1);

@@ -2,6 +2,8 @@
 // and drivers that switch off.
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "sim_fixture.hpp"
 
 namespace tmcl::sim {
@@ -12,6 +14,7 @@ using std::chrono::seconds;
 
 constexpr std::uint8_t max_current = 6;
 constexpr std::uint8_t short_protection_disable = 177;
+constexpr std::uint8_t current_minimum = 168;
 constexpr std::uint8_t down_step = 169;
 constexpr std::uint8_t hysteresis = 170;
 constexpr std::uint8_t up_step = 171;
@@ -176,6 +179,37 @@ TEST_F(SimMotor, TheLoadValueFallsWithTheTorque) {
   EXPECT_EQ(lost(), 0);
 }
 
+TEST_F(SimMotor, TheLoadValueFallsAsSteeplyAndIsAsUneasyAsItsStageSays) {
+  add_watched({.load = 100, .load_value_slope = 2000, .load_value_noise = 10});
+  ask(Command::ROR, 0, 0, full_steps(400));
+  pass(seconds(1));
+  std::set<std::int32_t> readings;
+  for (int i = 0; i < 100; ++i) {
+    pass(milliseconds(3));
+    EXPECT_EQ(get(load_value), get(load_value));
+    readings.insert(get(load_value));
+  }
+  EXPECT_GT(readings.size(), 10U);
+  EXPECT_GE(*readings.begin(), 290);
+  EXPECT_LE(*readings.rbegin(), 310);
+}
+
+TEST_F(SimMotor, TheLoadFollowsTheMotorWhenItsBacklashIsMadeUpFor) {
+  StageSettings stage;
+  stage.backlash = 40;
+  add_watched(stage);
+  const auto after = [&](std::int32_t target) {
+    ask(Command::MVP, 0, 0, target);
+    pass(seconds(1));
+    return get(encoder_position);
+  };
+  EXPECT_EQ(after(30), 0);
+  EXPECT_EQ(after(1000), 960);
+  EXPECT_EQ(after(970), 960);
+  EXPECT_EQ(after(900), 900);
+  EXPECT_EQ(after(910), 900);
+}
+
 // ---- coolStep
 
 TEST_F(SimMotor, CoolStepTakesTheCurrentThatTheLoadNeeds) {
@@ -199,6 +233,30 @@ TEST_F(SimMotor, CoolStepTakesTheCurrentThatTheLoadNeeds) {
   ask(Command::MST, 0, 0);
   pass(milliseconds(600));
   EXPECT_EQ(get(current), 31) << "it stands, and the standby current is not due";
+}
+
+TEST_F(SimMotor, HasNoMoreTorqueThanCoolStepLeavesIt) {
+  constexpr std::uint8_t threshold = 174;
+  add_watched({.load = 300, .torque_follows_current = true});
+  set(max_current, 255);
+  set(threshold, 63);
+  set(current_minimum, 1);
+  set(hysteresis_start, 1);
+  set(down_step, 3);
+  ask(Command::ROR, 0, 0, full_steps(100));
+  pass(seconds(3));
+  EXPECT_EQ(lost(), 0);
+  EXPECT_EQ(get(current), 9);
+  load(400);
+  pass(milliseconds(5));
+  const auto lost_for_good = lost();
+  EXPECT_NE(lost_for_good, 0) << "before it sees that more is asked of it";
+  set(hysteresis_start, 0);
+  pass(milliseconds(5));
+  EXPECT_EQ(get(current), 31);
+  const auto lost_at_first = lost();
+  pass(seconds(1));
+  EXPECT_EQ(lost(), lost_at_first) << "its full current is enough";
 }
 
 TEST_F(SimMotor, CoolStepWorksAboveItsThresholdSpeed) {

@@ -32,6 +32,7 @@ constexpr std::int64_t greatest_address = 255;
 constexpr std::int64_t greatest_place = std::int64_t{1} << 50;
 constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
+constexpr std::int64_t greatest_load_value = 1023;
 constexpr std::int64_t greatest_speed = 1'000'000'000;
 constexpr double greatest_supply = 1000;  // in volts
 constexpr double least_resonance_hz = 0.01;
@@ -59,6 +60,9 @@ constexpr auto axis_keys = std::to_array<std::string_view>({"motor",
                                                             "corner_speed",
                                                             "pull_in_speed",
                                                             "torque_follows_current",
+                                                            "load_value_slope",
+                                                            "load_value_noise",
+                                                            "backlash",
                                                             "driver_faults",
                                                             "resonance",
                                                             "damping"});
@@ -161,6 +165,9 @@ StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take_speed(table, "corner_speed", 1, stage.corner_speed);
   take_speed(table, "pull_in_speed", 0, stage.pull_in_speed);
   take(table, "torque_follows_current", stage.torque_follows_current);
+  take(table, "load_value_slope", {0, greatest_load}, stage.load_value_slope);
+  take(table, "load_value_noise", {0, greatest_load_value}, stage.load_value_noise);
+  take(table, "backlash", {0, greatest_place}, stage.backlash);
   take_faults(table, stage.faults);
   take_resonance(table, stage);
   if (stage.left_stop && stage.right_stop && *stage.left_stop > *stage.right_stop) {

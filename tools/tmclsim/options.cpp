@@ -102,6 +102,9 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
       corner_speed = 600             # full steps per second at 24 V, above which its torque falls
       pull_in_speed = 200            # below it a motor that has lost steps catches on
       torque_follows_current = true  # otherwise it has all its torque at any current
+      load_value_slope = 1000        # so far the load value falls when it is asked for all it has
+      load_value_noise = 20          # it is read so much too high or too low at most
+      backlash = 40                  # so far it turns before the load, with the encoder, turns round
       driver_faults = ["short_a"]    # as for the console
 Places are microsteps of 1/256 of a full step, counted from where the motor stands at first unless
 position says otherwise. The modules of the file come before those of --module.
