@@ -7,7 +7,7 @@ namespace {
 
 std::optional<tmcl::Error> objection_by_journey(const GatewayBus& bus) {
   for (const auto by : {ClaimKind::path, ClaimKind::line, ClaimKind::mint, ClaimKind::jog,
-                        ClaimKind::deadman_test, ClaimKind::verification}) {
+                        ClaimKind::deadman_test, ClaimKind::verification, ClaimKind::tuning}) {
     if (bus.motors().claimed_by(by) == 0) continue;
     auto error =
         tmcl::not_sent(tmcl::Errc::axis_claimed,

@@ -10,6 +10,7 @@
 #include "api/resonance_handlers.hpp"
 #include "api/settings_handlers.hpp"
 #include "api/token_handlers.hpp"
+#include "api/tune_handlers.hpp"
 
 namespace tmcld {
 namespace {
@@ -91,6 +92,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::recover>(operate),
     method<handlers::set_deadman>(configure),
     method<handlers::test_deadman>(configure),
+    method<handlers::tune>(configure),
     method<handlers::verify>(configure),
     method<handlers::start_capture>(operate),
     method<handlers::capture_state>(observe),

@@ -1,35 +1,11 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
-#include "api/quantity.hpp"
+#include "api/travel.hpp"
 #include "gateway/journey/verification.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
 namespace {
-
-using boost::asio::awaitable;
-using Travel = std::optional<tmcl::ValueRange>;
-
-/// Both ends, or none.
-Task<Travel> travel_of(GatewayAxis& axis, const axis::Verify& params) {
-  using P = axis::Verify;
-  const auto from = raw_or_quantity<&P::from_microsteps, &P::from>(params);
-  const auto to = raw_or_quantity<&P::to_microsteps, &P::to>(params);
-  const bool has_from = from.plain || from.amount;
-  const bool has_to = to.plain || to.amount;
-  if (!has_from && !has_to) co_return Travel{};
-  if (has_from != has_to)
-    co_return param_error("bad_argument", has_from ? "to" : "from", "'from' and 'to' go together");
-  const auto least = co_await must(length_of(axis, from, nullptr));
-  const auto greatest = co_await must(length_of(axis, to, nullptr));
-  // An axis may count the other way round.
-  const auto [low, high] = std::minmax(least.microsteps.value, greatest.microsteps.value);
-  if (low <= 0 && high >= 0 && low < high) co_return Travel{{low, high}};
-  co_return param_error("out_of_range", "from",
-                        "the axis must be within its travel: 'from' is 0 or less, "
-                        "'to' is 0 or more",
-                        "both count from where it stands, such as -2mm..2mm");
-}
 
 axis::VerifiedTrait view_of(const tmcl::TraitFinding& finding) {
   const auto& info = tmcl::trait_table()[static_cast<std::size_t>(finding.trait)];

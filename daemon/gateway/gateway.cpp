@@ -169,6 +169,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case ClaimKind::jog: return "jog";
     case ClaimKind::deadman_test: return "deadman test";
     case ClaimKind::verification: return "verification";
+    case ClaimKind::tuning: return "tuning";
     case ClaimKind::stop: return "stop";
     case ClaimKind::none:
     case ClaimKind::settings:

@@ -34,6 +34,7 @@ std::string_view what_moves(ClaimKind kind) {
     case ClaimKind::search: return "searches its reference";
     case ClaimKind::deadman_test: return "is in a test of its deadman";
     case ClaimKind::verification: return "is held against its twin";
+    case ClaimKind::tuning: return "is tuned";
     case ClaimKind::settings: return "is given its settings";
     case ClaimKind::stop: return "could not be stopped, and is not known to stand";
     case ClaimKind::none: break;

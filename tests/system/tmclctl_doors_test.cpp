@@ -38,6 +38,7 @@ const std::vector<std::string> lines{
     "ramp 3/1 --velocity 100000pps --acceleration 1000000pps/s",
     "ramp 3/1 --time 500ms --distance 20000",
     "resonance 3/1 --distance 500 --for 0.1",
+    "tune 3/1 --max-current 100 --travel 0..100 --yes",
     "move 1/0 5000 --wait",
     "move 1/0 1rev --by --wait",
     "move 1/0 1mm",

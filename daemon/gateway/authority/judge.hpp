@@ -42,6 +42,7 @@ enum class ClaimKind : std::uint8_t {
   verification,
   settings,  ///< It stands, and is set.
   stop,      ///< No call, until it is certain that it stands: see standing_stop.hpp.
+  tuning,
 };
 
 /// What is known of a motor, and of the client of the call that is judged. Calls and stops are

@@ -45,6 +45,7 @@ std::string_view words_for(ClaimKind by) {
     case ClaimKind::search: return "searches its reference";
     case ClaimKind::deadman_test: return "moves to test the deadman of its module";
     case ClaimKind::verification: return "moves so that its module can be verified";
+    case ClaimKind::tuning: return "moves so that it can be tuned";
     case ClaimKind::settings: return "is held while the settings of its module are loaded";
     case ClaimKind::stop:
       return "could not be stopped, and is stopped until its module says it stands";

@@ -1,17 +1,10 @@
 #include "gateway/journey/verification.hpp"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "async/spawn.hpp"
-#include "async/wait_until.hpp"
-#include "gateway/authority/axis_limits.hpp"
-#include "gateway/authority/claim.hpp"
-#include "gateway/axis/axis_range.hpp"
 #include "gateway/gateway.hpp"
-#include "gateway/orphans.hpp"
-#include "gateway/standing_stop.hpp"
+#include "gateway/journey/measuring_course.hpp"
 
 namespace tmcld {
 namespace {
@@ -19,18 +12,10 @@ namespace {
 using namespace std::chrono_literals;
 using boost::asio::awaitable;
 
-/// Longer than any course.
-constexpr tmcl::Duration lease_time = 10min;
-/// What an answer waits for the axis to be in order: it is put there all the same.
-constexpr tmcl::Duration time_to_put_in_order = 2s;
 /// From here downward an address is looked for that no module has.
 constexpr std::uint16_t greatest_free_address = 250;
 constexpr int bytes_of_exchange = 18;
 constexpr int bits_of_byte = 10;
-
-tl::unexpected<tmcl::Error> impossible(std::string message, std::string hint) {
-  return tl::unexpected(tmcl::bad_argument(std::move(message), std::move(hint)));
-}
 
 std::optional<tmcl::ModuleAddress> free_address_of(const GatewayBus& bus) {
   if (bus.is_can()) return std::nullopt;
@@ -59,9 +44,6 @@ class Course {
 
  private:
   GatewayAxis::Awaitable<void> prepare();
-  GatewayAxis::Awaitable<void> read_settings();
-  GatewayAxis::Awaitable<void> find_travel();
-  GatewayAxis::Awaitable<void> find_limits();
   void tell(const std::string& what) const;
   GatewayAxis& axis() const { return *axis_; }
 
@@ -76,76 +58,26 @@ void Course::tell(const std::string& what) const {
   request_.tell(what);
 }
 
-GatewayAxis::Awaitable<void> Course::find_travel() {
-  const auto scale = co_await axis().scale();
-  if (!scale) co_return tl::unexpected(scale.error());
-  if (axis().soft_limits() && !axis().unit().empty() && !*scale)
-    co_return impossible("the module does not tell its microstep resolution",
-                         "the configuration can: 'microsteps'");
-  options_.travel = range_of(axis(), scale->value_or(tmcl::microsteps_scale()));
-  if (!request_.travel) co_return tmcl::Result<void>{};
-  const auto here = co_await axis().get(tmcl::axis_parameter::actual_position, {});
-  if (!here) co_return tl::unexpected(here.error());
-  auto& travel = options_.travel;
-  const auto bounded = [&](std::int32_t by) {
-    return static_cast<std::int32_t>(std::clamp<std::int64_t>(
-        std::int64_t{*here} + by, travel.least, std::max(travel.least, travel.greatest)));
-  };
-  travel = {bounded(request_.travel->least), bounded(request_.travel->greatest)};
-  co_return tmcl::Result<void>{};
-}
-
-GatewayAxis::Awaitable<void> Course::find_limits() {
-  const auto limits = axis().motion_limits();
-  if (!limits) co_return tmcl::Result<void>{};
-  const auto units = co_await axis().module_units();
-  if (!units) co_return tl::unexpected(units.error());
-  const auto greatest = co_await axis().perform(limits->greatest(), {});
-  if (!greatest) co_return tl::unexpected(greatest.error());
-  if (!*units) co_return tmcl::Result<void>{};
-  if (const auto velocity = greatest->velocity)
-    options_.greatest_velocity = tmcl::to_pps(tmcl::InternalVelocity{*velocity}, **units);
-  if (const auto acceleration = greatest->acceleration)
-    options_.greatest_acceleration =
-        tmcl::PulsesPerSecond2{*acceleration * (*units)->acceleration.value};
-  co_return tmcl::Result<void>{};
-}
-
-/// From here on they are given back, also by the next tmcld if this one is killed.
-GatewayAxis::Awaitable<void> Course::read_settings() {
-  const auto parameters = tmcl::verify_parameters(*options_.model);
-  const auto values =
-      co_await axis().perform(tmcl::verbs::get_all(axis().address(), parameters), {});
-  if (!values) co_return tl::unexpected(values.error());
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    options_.settings.push_back({parameters[i], (*values)[i]});
-  for (const auto& setting : options_.settings) axis().note_before(setting);
-  co_await axis().enter_journal();
-  co_return tmcl::Result<void>{};
-}
-
 GatewayAxis::Awaitable<void> Course::prepare() {
+  auto checked = co_await check_course(axis(), request_.travel.has_value());
+  if (!checked) co_return checked;
   options_.model = axis().module().model();
-  if (options_.model == nullptr)
-    co_return impossible("nothing is known of this model that it could be held against", {});
-  if (!request_.travel && !axis().soft_limits())
-    co_return impossible("axis '" + axis().name() + "' has no soft limits",
-                         "say how far it may go, such as --travel -2mm..2mm");
-  // Before anything is read that would have to be given back.
-  const auto velocity = co_await axis().get(tmcl::axis_parameter::actual_velocity, {});
-  if (!velocity) co_return tl::unexpected(velocity.error());
-  if (*velocity != 0) co_return impossible("axis '" + axis().name() + "' moves", "stop it first");
-  auto travel = co_await find_travel();
-  if (!travel) co_return travel;
-  auto limits = co_await find_limits();
-  if (!limits) co_return limits;
+  const auto travel = co_await travel_of(axis(), request_.travel);
+  if (!travel) co_return tl::unexpected(travel.error());
+  options_.travel = *travel;
+  const auto greatest = co_await greatest_rates(axis());
+  if (!greatest) co_return tl::unexpected(greatest.error());
+  options_.greatest_velocity = greatest->velocity;
+  options_.greatest_acceleration = greatest->acceleration;
   options_.expected = axis().module().traits();
   options_.free_address = free_address_of(axis().bus());
   options_.strays = [this] { return axis().bus().counters().unexpected_replies; };
   options_.wire_time = wire_time(axis().bus());
   options_.tell = [this](const std::string& what) { tell(what); };
-  auto settings = co_await read_settings();
-  co_return settings;
+  auto settings = co_await keep_settings(axis(), tmcl::verify_parameters(*options_.model));
+  if (!settings) co_return tl::unexpected(settings.error());
+  options_.settings = std::move(*settings);
+  co_return tmcl::Result<void>{};
 }
 
 GatewayAxis::Awaitable<tmcl::Verification> Course::carry_out() {
@@ -176,50 +108,6 @@ void add_deadman(tmcl::Verification& found, const Deadman& deadman) {
   }
 }
 
-struct Held {
-  std::vector<Claim> claims;
-  std::optional<std::int32_t> lease;
-};
-
-awaitable<void> put_in_order(std::shared_ptr<Gateway> gateway, std::shared_ptr<GatewayAxis> axis,
-                             std::shared_ptr<Held> held, std::vector<tmcl::plan::Setting> before,
-                             std::shared_ptr<bool> ended) {
-  if (!before.empty()) co_await be_stopped(*axis);
-  for (const auto& setting : before) {
-    // What has started again has its own.
-    if (!axis->latched()) co_await set_back(*axis, setting.parameter);
-  }
-  axis->forget_before();
-  axis->module().note_settings_changed();
-  held->claims.clear();
-  if (held->lease) gateway->leases()->release(*held->lease);
-  *ended = true;
-}
-
-GatewayAxis::Awaitable<std::shared_ptr<Held>> take(Gateway& gateway,
-                                                   std::shared_ptr<GatewayAxis> axis,
-                                                   const VerificationRequest& request) {
-  auto held = std::make_shared<Held>();
-  const std::vector<std::shared_ptr<GatewayAxis>> axes{axis};
-  const auto holder = axis->holder();
-  const bool has_lease = holder.lease != 0 && holder.client == request.client.number;
-  if (request.client.number != 0 && !has_lease) {
-    const LeaseTerms terms{lease_time, true};
-    auto acquired = Leases::acquire(gateway.leases(), request.client, axes, terms, request.permit);
-    const auto lease = co_await std::move(acquired);
-    if (!lease) co_return tl::unexpected(lease.error());
-    held->lease = lease->number;
-  }
-  const ClaimOwner claim_owner{ClaimKind::verification, request.permit};
-  auto claims = co_await claim_all(axes, claim_owner);
-  if (!claims) {
-    if (held->lease) gateway.leases()->release(*held->lease);
-    co_return tl::unexpected(std::move(claims.error()));
-  }
-  held->claims = std::move(*claims);
-  co_return held;
-}
-
 }  // namespace
 
 GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> gateway,
@@ -230,16 +118,15 @@ GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> 
   // It is a movement for any client.
   request.permit.exceeds_limits = false;
   request.permit.ends_with_client = true;
-  auto held = co_await take(*gateway, axis, request);
-  if (!held) co_return tl::unexpected(std::move(held.error()));
+  const ClaimOwner claim_owner{ClaimKind::verification, request.permit};
+  auto begun = co_await begin_course(*gateway, axis, request.client, claim_owner);
+  if (!begun) co_return tl::unexpected(std::move(begun.error()));
   Course course(axis, std::move(request));
   auto found = co_await course.carry_out();
   // It has given back what it had, unless something has ended it.
   auto before = found ? std::vector<tmcl::plan::Setting>{} : course.before();
   if (!found && !before.empty()) found.error().outcome = tmcl::Outcome::unknown;
-  const auto ended = std::make_shared<bool>(false);
-  spawn(axis->bus().executor(), put_in_order(gateway, axis, *held, std::move(before), ended));
-  co_await wait_until([&] { return *ended; }, time_to_put_in_order);
+  co_await end_course(gateway, axis, *begun, std::move(before));
   if (found) add_deadman(*found, axis->module().deadman());
   co_return found;
 }

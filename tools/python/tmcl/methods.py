@@ -60,6 +60,7 @@ EFFECTS: Mapping[str, str] = {
     "axis.recover": "writes",
     "axis.set_deadman": "writes",
     "axis.test_deadman": "moves",
+    "axis.tune": "moves",
     "axis.verify": "moves",
     "capture.start": "writes",
     "capture.state": "reads",
@@ -1087,6 +1088,81 @@ class AxisTestDeadman(Record):
     #: how far the axis has gone
     way_microsteps: int = 0
     _inner: ClassVar[Mapping[str, type[Record]]] = {"deadman": ModuleListModulesDeadman}
+
+
+@dataclass(frozen=True)
+class AxisTuneVelocity(Record):
+    #: the greatest that held, or of the current the least
+    limit: float = 0.0
+    #: with the margin
+    proposed: float = 0.0
+    #: motor: a trial beyond it failed; travel: that is too short for more; bounds: those of
+    #: the axis and of its module
+    limited_by: str = ""
+
+
+@dataclass(frozen=True)
+class AxisTuneTrials(Record):
+    #: velocity, acceleration, current, threshold, or confirmation
+    sought: str = ""
+    #: in microsteps per second
+    velocity_pps: float = 0.0
+    #: per second squared
+    acceleration_pps2: float = 0.0
+    #: of parameter 6
+    current: int = 0
+    #: the encoder was where the motor should be, there and back
+    held: bool = False
+    #: the greatest that the encoder had, in microsteps
+    deviation: float = 0.0
+    #: the least at full speed, where it was read
+    load_value: int | None = None
+    #: of stallGuard2, with which that was
+    threshold: int | None = None
+    #: why it did not hold; empty if it did
+    trouble: str = ""
+
+
+@dataclass(frozen=True)
+class AxisTuneSettings(Record):
+    #: its number
+    parameter: int = 0
+    #: of the parameter
+    name: str = ""
+    #: what is proposed
+    value: int = 0
+    #: what the axis has
+    before: int = 0
+
+
+@dataclass(frozen=True)
+class AxisTune(Record):
+    #: name of the axis
+    axis: str = ""
+    #: in microsteps per second, with the acceleration of the axis
+    velocity: AxisTuneVelocity = field(default_factory=lambda: AxisTuneVelocity())
+    #: per second squared, at the proposed velocity
+    acceleration: AxisTuneVelocity = field(default_factory=lambda: AxisTuneVelocity())
+    #: of parameter 6, for both that are proposed
+    current: AxisTuneVelocity = field(default_factory=lambda: AxisTuneVelocity())
+    #: of stallGuard2: the least with which the load value keeps off 0 by a tenth of its range;
+    #: null where the module has none, or none does
+    threshold: int | None = None
+    #: between motor and encoder, in microsteps
+    backlash: float = 0.0
+    #: of the encoder; below 0 if it counts the other way
+    counts_per_microstep: float = 0.0
+    #: the position of the axis was set again, as its encoder has it: search the reference
+    lost_steps: bool = False
+    #: all that were made, in their order
+    trials: tuple[AxisTuneTrials, ...] = ()
+    #: what is proposed, in the order to set it
+    settings: tuple[AxisTuneSettings, ...] = ()
+    #: they are set, and in the module's EEPROM where that keeps them
+    stored: bool = False
+    #: about what was found
+    warnings: tuple[str, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"velocity": AxisTuneVelocity, "acceleration": AxisTuneVelocity, "current": AxisTuneVelocity, "trials": AxisTuneTrials, "settings": AxisTuneSettings}
 
 
 @dataclass(frozen=True)
@@ -2182,6 +2258,21 @@ class Methods:
         stops."""
         return AxisTestDeadman.of(self._call("axis.test_deadman", {"axis": axis}))
 
+    def axis_tune(
+        self,
+        axis: str,
+        max_current: int,
+        *,
+        from_microsteps: int | None = None,
+        from_: float | str | None = None,
+        to_microsteps: int | None = None,
+        to: float | str | None = None,
+        margin: float | None = None,
+        store: bool | None = None,
+    ) -> AxisTune:
+        """`axis.tune` finds by trials the greatest velocity and acceleration that an axis bears."""
+        return AxisTune.of(self._call("axis.tune", {"axis": axis, "max_current": max_current, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to, "margin": margin, "store": store}))
+
     def axis_verify(
         self,
         axis: str,
@@ -3204,6 +3295,21 @@ class AsyncMethods:
         """`axis.test_deadman` moves an axis slowly, sends its module nothing, and measures when it
         stops."""
         return AxisTestDeadman.of(await self._call("axis.test_deadman", {"axis": axis}))
+
+    async def axis_tune(
+        self,
+        axis: str,
+        max_current: int,
+        *,
+        from_microsteps: int | None = None,
+        from_: float | str | None = None,
+        to_microsteps: int | None = None,
+        to: float | str | None = None,
+        margin: float | None = None,
+        store: bool | None = None,
+    ) -> AxisTune:
+        """`axis.tune` finds by trials the greatest velocity and acceleration that an axis bears."""
+        return AxisTune.of(await self._call("axis.tune", {"axis": axis, "max_current": max_current, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to, "margin": margin, "store": store}))
 
     async def axis_verify(
         self,

@@ -60,6 +60,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"axis.get_errors", "errors"},
     {"axis.set_deadman", "deadman set"},
     {"axis.test_deadman", "deadman test"},
+    {"axis.tune", "tune"},
     {"axis.verify", "verify"},
     {"capture.start", "capture"},
     {"capture.state", "capture"},

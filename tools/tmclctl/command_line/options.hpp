@@ -22,6 +22,13 @@
 
 namespace tmclctl {
 
+/// How far an axis may go that is measured: as typed, from where it stands; empty: to its soft
+/// limits.
+struct MeasuredTravel {
+  std::string from;
+  std::string to;
+};
+
 namespace verb {
 
 struct Scan {
@@ -402,9 +409,18 @@ struct SettingsLoad {
 /// In what the module of an axis is not like its twin.
 struct Verify {
   std::string axis;
-  std::string travel_from;  ///< Empty: to its soft limits; as typed, from where it stands.
-  std::string travel_to;
+  MeasuredTravel travel;
   std::string report;  ///< Empty: none; "-": to standard output, and nothing else.
+  bool yes = false;
+  bool internal = false;
+};
+/// Finds what an axis bears.
+struct Tune {
+  std::string axis;
+  std::int32_t max_current = 0;
+  MeasuredTravel travel;
+  std::optional<double> margin_percent;
+  bool store = false;
   bool yes = false;
   bool internal = false;
 };

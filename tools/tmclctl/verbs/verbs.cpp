@@ -30,6 +30,7 @@ void add_verbs(Grammar& grammar) {
   add_tokens(grammar);
   add_page(grammar);
   add_verify(grammar);
+  add_tune(grammar);
   add_coordinates(grammar);
   add_arrivals(grammar);
   add_eeprom(grammar);

@@ -44,6 +44,7 @@ void add_deadman(Grammar& grammar);
 void add_tokens(Grammar& grammar);
 void add_page(Grammar& grammar);
 void add_verify(Grammar& grammar);
+void add_tune(Grammar& grammar);
 void add_coordinates(Grammar& grammar);
 void add_arrivals(Grammar& grammar);
 void add_eeprom(Grammar& grammar);

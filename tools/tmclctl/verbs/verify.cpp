@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "measured_travel.hpp"
 #include "output/output_file.hpp"
 #include "output/print.hpp"
 #include "output/progress_line.hpp"
@@ -13,23 +14,6 @@ namespace tmclctl {
 namespace {
 
 namespace api = tmcl::api;
-
-std::string where_to(const verb::Verify& verb) {
-  if (verb.travel_from.empty()) return "within its soft limits";
-  return fmt::format("between {} and {} from where it stands", verb.travel_from, verb.travel_to);
-}
-
-/// Without a person to ask: that is an error.
-Result<bool> is_wanted(const verb::Verify& verb, Context& context) {
-  if (verb.yes) return true;
-  const auto question = fmt::format("{} will move, {}. Nothing may be in its way. Go on? [y/N] ",
-                                    verb.axis, where_to(verb));
-  const auto said = context.host.confirm(question);
-  if (said) return *said;
-  return tl::unexpected(
-      usage_error("bad_argument", "the axis would move, and there is no terminal to confirm it at",
-                  "--yes says that it may"));
-}
 
 std::string found_text(const api::axis::VerifiedTrait& trait) {
   if (!trait.measured) return "not measured";
@@ -61,13 +45,13 @@ void print(const api::axis::Verified& found, Output& output) {
 }
 
 api::axis::Verify params_of(const verb::Verify& verb) {
-  const Typed from{verb.travel_from, verb.internal};
-  const Typed to{verb.travel_to, verb.internal};
+  const Typed from{verb.travel.from, verb.internal};
+  const Typed to{verb.travel.to, verb.internal};
   return {verb.axis, from.counted(), from.amount(), to.counted(), to.amount()};
 }
 
 Result<ExitCode> run(const verb::Verify& verb, Context& context) {
-  const auto wanted = is_wanted(verb, context);
+  const auto wanted = may_be_measured(verb.axis, verb.travel, verb.yes, context);
   if (!wanted) return tl::unexpected(wanted.error());
   if (!*wanted) {
     context.output.err << "Nothing was moved\n";
@@ -96,18 +80,6 @@ Result<ExitCode> run(const verb::Verify& verb, Context& context) {
     print(found, context.output);
   }
   return ExitCode::done;
-}
-
-/// "-2mm..2mm"
-Reading read_travel(const std::string& said, verb::Verify& verb) {
-  constexpr std::string_view between = "..";
-  const auto at = said.find(between);
-  const auto end = at == std::string::npos ? at : at + between.size();
-  if (at == std::string::npos || at == 0 || end == said.size())
-    return tl::unexpected("'" + said + "' is no travel, such as -2mm..2mm");
-  verb.travel_from = said.substr(0, at);
-  verb.travel_to = said.substr(end);
-  return {};
 }
 
 constexpr const char* verify_module_help = R"(
@@ -140,7 +112,7 @@ void add_verify(Grammar& grammar) {
   auto& values = *verify.operator->();
   verify.option("--travel", "FROM..TO",
                 "How far it may go from where it stands; without it, to its soft limits",
-                [&values](const std::string& said) { return read_travel(said, values); });
+                [&values](const std::string& said) { return read_travel(said, values.travel); });
   verify.option("--report", "FILE", "Write what was found; '-': to standard output",
                 text(verify->report));
   verify.flag("--yes", "Do not ask whether the axis may move", verify->yes);

@@ -1,0 +1,82 @@
+/// The trials that tell what an axis bears, and the searches that they are made for.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/limit_search.hpp"
+#include "tmcl/plan/ramp_wish.hpp"
+#include "tmcl/tuning.hpp"
+#include "tune/encoded_axis.hpp"
+
+namespace tmcl::verbs {
+
+/// The axis parameters that are set and read.
+namespace tuned {
+constexpr auto max_current = number_of("max_current");
+constexpr auto max_bow = number_of("max_bow");
+constexpr auto load_value = number_of("load_value");
+constexpr auto threshold = number_of("stallguard2_threshold");
+constexpr auto stop_on_stall = number_of("smart_energy_stall_velocity");
+constexpr auto cool_step = number_of("smart_energy_hysteresis_start");
+}  // namespace tuned
+
+class Tuner {
+ public:
+  Tuner(AxisAddress axis, TuneOptions options)
+      : axis_(axis), options_(std::move(options)), watched_(axis, options_.settings) {}
+
+  Script<Result<Tuning>> run();
+
+ private:
+  Script<Result<void>> course();
+  Script<Result<void>> begin();
+  Script<Result<void>> find_velocity();
+  Script<Result<void>> find_acceleration();
+  Script<Result<void>> find_current();
+  Script<Result<void>> find_threshold();
+  Script<Result<void>> confirm();
+  Script<Result<void>> search(Sought sought, plan::LimitSearch& search);
+  Script<Result<bool>> trial(Sought sought, const plan::PlannedRamp& ramp, std::int32_t current,
+                             std::int32_t way);
+  Script<Result<void>> there_and_back(TuneTrial& trial, const plan::PlannedRamp& ramp,
+                                      std::int32_t way);
+  Script<Result<bool>> load_stays_up(std::int32_t threshold);
+  Script<Result<void>> set_ramp(const plan::PlannedRamp& ramp);
+  Script<Result<void>> recover(bool up, Duration limit);
+  Script<Result<void>> go_slowly_to(std::int32_t target);
+
+  const Model& model() const { return *options_.units.model; }
+  std::int32_t present(std::uint8_t parameter) const;
+  bool has(std::uint8_t parameter) const {
+    return find_parameter(axis_parameters(model()), parameter) != nullptr;
+  }
+  /// Nothing for what the module does not have.
+  std::optional<plan::PlannedRamp> ramp_of(double velocity, double acceleration) const;
+  std::optional<plan::PlannedRamp> ramp_for(Sought sought, double value) const;
+  std::int32_t current_for(Sought sought, double value) const;
+  /// Both ramps, and some time at full speed.
+  std::int32_t way_of(const plan::PlannedRamp& ramp) const;
+  Duration limit_of(const plan::PlannedRamp& ramp, std::int32_t way) const;
+  std::int32_t room() const { return range_.greatest - range_.least; }
+  void propose();
+  void tell(const std::string& what) const {
+    if (options_.tell) options_.tell(what);
+  }
+
+  AxisAddress axis_;
+  TuneOptions options_;
+  WatchedAxis watched_;
+  std::optional<EncodedAxis> encoded_;
+  Tuning found_;
+  ValueRange range_{};
+  double full_step_ = 256;  ///< In microsteps.
+  plan::PlannedRamp slow_{};
+  plan::PlannedRamp back_{};  ///< To go back with; it has held.
+  double base_acceleration_ = 0;
+  bool beyond_bounds_ = false;  ///< In the search under way something was not in the module.
+  bool beyond_travel_ = false;
+};
+
+}  // namespace tmcl::verbs

@@ -1,0 +1,186 @@
+// An axis that is tuned: what is refused, what ends it, and what is left then. That it finds what a
+// load bears is in tests/property/tuning_property_test.cpp.
+#include "tmcl/tuning.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+#include "support/rounds.hpp"
+#include "support/verified_module.hpp"
+#include "tmcl/parameter_number.hpp"
+
+namespace tmcl {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+namespace ap = axis_parameter;
+
+constexpr std::int32_t full_step = 256;
+
+sim::StageSettings some_load() {
+  sim::StageSettings stage;
+  stage.load = 200;
+  stage.inertia = 100'000;
+  stage.corner_speed = 400;
+  stage.torque_follows_current = true;
+  stage.encoder = sim::EncoderSettings{10'000};
+  return stage;
+}
+
+class TunedModule {
+ public:
+  explicit TunedModule(const sim::StageSettings& stage, std::string_view model = "TMCM-1276")
+      : model_(find_model(model)), module(*model_, {}, stage) {
+    module.exchange_time = {2ms, 4ms};
+    set(ap::max_velocity, 200 * full_step);
+    set(ap::max_acceleration, 1500 * full_step);
+    set(number_of("smart_energy_hysteresis_start"), 2);
+    options.units = {"x", model_, initial_units(*model_)};
+    for (const auto parameter : tune_parameters(*model_))
+      options.settings.push_back({parameter, module.get(parameter)});
+    options.max_current = 255;
+    options.travel = {-1000 * full_step, 1000 * full_step};
+  }
+  Result<Tuning> tune() { return module.run(verbs::tune({ModuleAddress{1}, 0}, options)); }
+  Error error() {
+    auto found = tune();
+    EXPECT_FALSE(found);
+    return found ? Error{} : std::move(found.error());
+  }
+  void expect_left_as_it_was() {
+    module.pass(5s);
+    EXPECT_EQ(module.get(ap::actual_velocity), 0);
+    for (const auto& [parameter, value] : options.settings)
+      EXPECT_EQ(module.get(parameter), value) << int{parameter};
+  }
+  sim::Place place() { return module.lone.module.stage(0).position(); }
+
+ private:
+  void set(std::uint8_t parameter, std::int32_t value) {
+    module.lone.ask(Command::SAP, parameter, value);
+  }
+
+  const Model* model_;
+
+ public:
+  test::VerifiedModule module;
+  TuneOptions options;
+};
+
+TEST(Tuning, ProposesLessThanHeldInAnOrderToBeSet) {
+  TunedModule tuned(some_load());
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_TRUE(found->lost_steps);
+  EXPECT_EQ(found->velocity.limited_by, LimitedBy::motor);
+  EXPECT_NEAR(found->velocity.proposed, found->velocity.limit / 1.2, 1);
+  EXPECT_NEAR(found->acceleration.proposed, found->acceleration.limit / 1.2, 1);
+  EXPECT_GT(found->current.proposed, found->current.limit);
+  ASSERT_TRUE(found->threshold);
+  for (const auto& [parameter, value] : found->settings)
+    EXPECT_EQ(tuned.module.lone.ask(Command::SAP, parameter, value).status, Status::ok);
+  EXPECT_NEAR(tuned.module.get(ap::max_velocity), found->velocity.proposed, 1);
+  EXPECT_EQ(tuned.module.get(number_of("stallguard2_threshold")), *found->threshold);
+}
+
+TEST(Tuning, EndsWhereItBegan) {
+  TunedModule tuned(some_load());
+  ASSERT_TRUE(tuned.tune());
+  tuned.expect_left_as_it_was();
+  EXPECT_EQ(tuned.module.get(ap::actual_position), 0);
+  EXPECT_NEAR(static_cast<double>(tuned.place()), 0, full_step);
+}
+
+TEST(Tuning, StaysWithinTheBoundsOfTheAxis) {
+  TunedModule tuned({.encoder = sim::EncoderSettings{10'000}});
+  tuned.options.greatest_velocity = PulsesPerSecond{400.0 * full_step};
+  tuned.options.greatest_acceleration = PulsesPerSecond2{3000.0 * full_step};
+  std::int32_t fastest = 0;
+  std::int32_t most_current = 0;
+  tuned.options.max_current = 160;
+  tuned.module.after_each = [&] {
+    fastest = std::max(fastest, std::abs(tuned.module.get(ap::actual_velocity)));
+    most_current = std::max(most_current, tuned.module.get(number_of("max_current")));
+  };
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->velocity.limited_by, LimitedBy::bounds);
+  EXPECT_EQ(found->acceleration.limited_by, LimitedBy::bounds);
+  EXPECT_LE(fastest, 400 * full_step + 1);
+  EXPECT_LE(most_current, 255) << "what it had";
+  for (const auto& trial : found->trials) EXPECT_LE(trial.current, 160);
+  EXPECT_FALSE(found->lost_steps);
+  EXPECT_EQ(found->current.limit, 40) << "coolStep goes no lower than a quarter";
+}
+
+TEST(Tuning, SaysWhatTheTravelIsTooShortFor) {
+  TunedModule tuned(some_load());
+  tuned.options.travel = {0, 150 * full_step};
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->velocity.limited_by, LimitedBy::travel);
+  EXPECT_THAT(found->warnings.front(), HasSubstr("the travel is too short"));
+}
+
+TEST(Tuning, NeedsAnEncoderThatFollows) {
+  TunedModule none(some_load(), "TMCM-6110");
+  EXPECT_EQ(none.error().code, Errc::bad_argument);
+  auto stage = some_load();
+  stage.encoder.reset();
+  TunedModule unconnected(stage);
+  EXPECT_THAT(unconnected.error().message, HasSubstr("the encoder has counted 0"));
+  unconnected.expect_left_as_it_was();
+  stage = some_load();
+  stage.load = 1000;
+  TunedModule held(stage);
+  EXPECT_EQ(held.error().code, Errc::move_interrupted);
+  held.expect_left_as_it_was();
+}
+
+TEST(Tuning, NeedsSomeTravel) {
+  TunedModule tuned(some_load());
+  tuned.options.travel = {0, 60 * full_step};
+  EXPECT_THAT(tuned.error().message, HasSubstr("too short to tune by"));
+}
+
+// The motor stops within the time that it takes to see that its rotor has lost the field.
+TEST(Tuning, EndsATrialAtTheFirstSignOfTrouble) {
+  TunedModule tuned(some_load());
+  double farthest = 0;
+  tuned.module.after_each = [&] {
+    const double position = tuned.module.get(ap::actual_position);
+    farthest = std::max(farthest, std::abs(position - static_cast<double>(tuned.place())));
+  };
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found);
+  int lost = 0;
+  for (const auto& trial : found->trials) lost += trial.held ? 0 : 1;
+  EXPECT_GT(lost, 3);
+  const auto& limit = found->velocity.limit;
+  const auto braking = 1.5 * 1.5 * limit * limit / (2 * 1500 * full_step);
+  EXPECT_LT(farthest, braking + 0.1 * limit);
+}
+
+// Whatever fails once, before or after the module has seen it.
+TEST(Tuning, StopsAndGivesBackWhatItHasSetWhateverFails) {
+  TunedModule whole(some_load());
+  ASSERT_TRUE(whole.tune());
+  const auto exchanges = whole.module.exchanges();
+  const auto stride = exchanges / static_cast<std::size_t>(test::rounds(6)) + 1;
+  for (std::size_t step = 1; step < exchanges; step += stride) {
+    for (const bool unseen : {false, true}) {
+      SCOPED_TRACE(step);
+      TunedModule tuned(some_load());
+      tuned.module.failing = step;
+      tuned.module.fails_unseen = unseen;
+      (void)tuned.tune();
+      tuned.expect_left_as_it_was();
+    }
+    if (testing::Test::HasFailure()) break;
+  }
+}
+
+}  // namespace
+}  // namespace tmcl
