@@ -67,23 +67,18 @@ inline void PrintTo(const MovingExample& example, std::ostream* out) {
 /// Turns with this speed are those of the examples, and not of a path.
 constexpr std::int32_t example_velocity = 4321;
 
-inline std::vector<MovingExample> moving_examples() {
-  const auto at_module = [](json::object more = {}) {
-    more["bus"] = "bench";
-    more["address"] = 1;
-    return more;
-  };
-  const auto raw = [&](std::string_view command, int type, int motor, int value) {
+inline json::object at_module(json::object more = {}) {
+  more["bus"] = "bench";
+  more["address"] = 1;
+  return more;
+}
+
+inline std::vector<MovingExample> raw_examples() {
+  const auto raw = [](std::string_view command, int type, int motor, int value) {
     return MovingExample{
         {{"module.execute",
           at_module({{"command", command}, {"type", type}, {"motor", motor}, {"value", value}})}}};
   };
-  const auto one = [](std::string method, json::object params) {
-    return MovingExample{{{std::move(method), std::move(params)}}};
-  };
-  const MovingExample::Step path{
-      "path.run", {{"axes", json::array{"x", "y"}}, {"text", "G1 X20 Y10 F1200\nG1 X40 Y0\n"}}};
-  const auto image = tmcl::to_hex(std::vector<std::uint8_t>(16, 0x55));
   return {
       raw("ROR", 0, 0, example_velocity),
       raw("ROL", 0, 0, example_velocity),
@@ -96,6 +91,17 @@ inline std::vector<MovingExample> moving_examples() {
       raw("RFS", 0, 0, 0),
       raw("RUN_APPLICATION", 0, 0, 0),
       raw("SOFTWARE_RESET", 0, 0, 1234),
+  };
+}
+
+inline std::vector<MovingExample> moving_examples() {
+  const auto one = [](std::string method, json::object params) {
+    return MovingExample{{{std::move(method), std::move(params)}}};
+  };
+  const MovingExample::Step path{
+      "path.run", {{"axes", json::array{"x", "y"}}, {"text", "G1 X20 Y10 F1200\nG1 X40 Y0\n"}}};
+  const auto image = tmcl::to_hex(std::vector<std::uint8_t>(16, 0x55));
+  std::vector<MovingExample> examples{
       one("axis.move_to", {{"axis", "x"}, {"position_microsteps", 51'200}}),
       one("axis.move_to", {{"axis", "x"}, {"position", 5}, {"predict", false}}),
       one("axis.move_by", {{"axis", "x"}, {"distance_microsteps", 51'200}}),
@@ -140,6 +146,9 @@ inline std::vector<MovingExample> moving_examples() {
       {{{"firmware.stage", {{"offset", 0}, {"data", image}}},
         {"firmware.upload", at_module({{"start", 0}, {"bytes", 16}, {"force", true}})}}},
   };
+  const auto raw = raw_examples();
+  examples.insert(examples.begin(), raw.begin(), raw.end());
+  return examples;
 }
 
 /// Whether the request can move x, and none of the daemon's own movements along a path does it.
