@@ -106,8 +106,8 @@ struct Case {
 };
 
 TEST(PathProperty, NoLimitIsExceeded) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     const Case c(random);
     for (int i = 0; i < 50; ++i) {
@@ -131,9 +131,9 @@ TEST(PathProperty, NoLimitIsExceeded) {
 }
 
 TEST(PathProperty, NoCornerChangesASpeedByMoreThanItsAxisMay) {
-  Numbers random(test::seed());
+  Numbers random(tmcl::test::seed());
   double nearest = 0;
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     auto limits = any_limits(random);
     for (auto& axis : limits.axis)
@@ -154,8 +154,8 @@ TEST(PathProperty, NoCornerChangesASpeedByMoreThanItsAxisMay) {
 }
 
 TEST(PathProperty, SpeedsAndPositionsAreContinuousAlongThePath) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     const Case c(random);
     double speed = 0, time = 0;
@@ -184,8 +184,8 @@ TEST(PathProperty, SpeedsAndPositionsAreContinuousAlongThePath) {
 // Each speed between two legs is the greatest that the corner, the legs and the speeds beside it
 // allow.
 TEST(PathProperty, NoSpeedCouldBeGreater) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     const Case c(random);
     const auto real = c.real();
@@ -229,8 +229,8 @@ double effort(const AxisValues& from, const AxisValues& to, double angle, double
 }
 
 TEST(PathProperty, AxesCouldFollowTheArcOfACornerAndNoFaster) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     const Case c(random);
     const auto real = c.real();
@@ -261,8 +261,8 @@ TEST(PathProperty, AxesCouldFollowTheArcOfACornerAndNoFaster) {
 }
 
 TEST(PathProperty, NeverSlowerThanWithAStopAtEachCorner) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     const Case c(random);
     double stopping = 0;
@@ -277,8 +277,8 @@ TEST(PathProperty, NeverSlowerThanWithAStopAtEachCorner) {
 }
 
 TEST(PathProperty, AStraightLineTakesTheSameTimeHoweverItIsCut) {
-  Numbers random(test::seed());
-  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+  Numbers random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(usual_rounds); ++round) {
     SCOPED_TRACE("round " + std::to_string(round));
     const auto limits = any_limits(random);
     Leg whole;

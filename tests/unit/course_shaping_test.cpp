@@ -97,13 +97,13 @@ TEST(Shaping, LeavesLittleNearTheResonance) {
   }
 }
 
-struct Scene {
+struct ShapedScene {
   path_file::Path path;
   Shaping shaping;
 };
 
-Scene random_scene(tmcl::test::Random<>& random) {
-  Scene scene;
+ShapedScene random_shaped_scene(tmcl::test::Random<>& random) {
+  ShapedScene scene;
   scene.path = test::random_path(random, static_cast<std::size_t>(random.between(1, 2)));
   scene.shaping = {all_shapers.at(static_cast<std::size_t>(random.between(0, 2))),
                    {static_cast<double>(random.between(3, 60)),
@@ -148,7 +148,7 @@ void expect_ways_between_turns(const Course& plain, const Course& shaped, std::s
 TEST(ShapingProperty, KeepsEndsLimitsAndDirections) {
   tmcl::test::Random<> random(tmcl::test::seed());
   for (int round = 0; round < tmcl::test::rounds(200); ++round) {
-    const auto scene = random_scene(random);
+    const auto scene = random_shaped_scene(random);
     SCOPED_TRACE(test::describe(scene.path) + ", " + std::string(name_of(scene.shaping.shaper)) +
                  " at " + std::to_string(scene.shaping.resonance.frequency_hz) + " Hz");
     const auto plain = course_of(scene.path, std::nullopt);

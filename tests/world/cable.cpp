@@ -52,9 +52,10 @@ void CableBench::other_master(const tmcl::Request& request) {
   wire.touch();
 }
 
-void CableBench::be_another_client() {
-  peer_ = std::make_shared<WorldPeer>(trace_);
+std::shared_ptr<WorldPeer> CableBench::be_another_client() {
+  auto before = std::exchange(peer_, std::make_shared<WorldPeer>(trace_));
   peer_->number = gateway_->add_client("client").number;
+  return before;
 }
 
 void CableBench::end_gateway() {

@@ -36,8 +36,9 @@ class CableBench {
   void other_master(const tmcl::Request& request);
   void client_leaves() { gateway_->remove_client(peer_->number); }
   Gateway& gateway() { return *gateway_; }
-  /// Who has called until now stays.
-  void be_another_client();
+  /// Gives the client that has called until now, which stays.
+  std::shared_ptr<WorldPeer> be_another_client();
+  void be(std::shared_ptr<WorldPeer> client) { peer_ = std::move(client); }
   /// It sends nothing any more.
   void end_gateway();
 

@@ -238,6 +238,30 @@ TEST_P(Jog, EndsWithAStop) {
   EXPECT_THAT(bench.events, Contains("jog_broken"));
 }
 
+// What still comes of a press must not set off again what another client has stopped.
+TEST_P(Jog, DoesNotGoOnBehindAStopOfAnotherClient) {
+  bench.jog_for(1s, velocity(), 200ms);
+  const auto jogs = bench.be_another_client();
+  ASSERT_TRUE(bench.call("axis.stop", {{"axis", "x"}}));
+  bench.be(jogs);
+  for (int call = 0; call < 20; ++call) {
+    EXPECT_EQ(bench.name_of_error(bench.jog(velocity(), 200ms)), "superseded_by_stop");
+    bench.time.run_for(100ms);
+  }
+  bench.come_to_rest();
+  const auto there = bench.position();
+  bench.time.run_for(1s);
+  EXPECT_EQ(bench.position(), there);
+  EXPECT_TRUE(bench.jog(velocity(), 200ms)) << "another press";
+  EXPECT_TRUE(bench.turns());
+}
+
+TEST_P(Jog, GoesOnBehindAStopOfItsOwnClient) {
+  bench.jog_for(1s, velocity(), 200ms);
+  ASSERT_TRUE(bench.call("axis.stop", {{"axis", "x"}}));
+  EXPECT_TRUE(bench.jog(velocity(), 200ms));
+}
+
 TEST(JogLimits, ItNeverPassesASoftLimit) {
   JogBench bench(families[2], "soft_limits = [-3, 3]\n");
   for (const int direction : {1, -1}) {

@@ -186,6 +186,8 @@ tmcl::Request GatewayAxis::request(tmcl::Command command, std::uint8_t type,
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t client) {
   revoke_movements();
+  // Who stops what it jogs may jog again at once.
+  if (client == last_jog_.client) last_jog_ = {};
   note_stop(cause);
   expected_arrival_ = {};
   const bool was_searching = claim_kind() == ClaimKind::search;

@@ -222,6 +222,13 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Goes out before everything else, whatever is known about the module. Ends a reference search
   /// that was begun here, too. `client`: who asks.
   Awaitable<void> stop(StopCause cause = StopCause::client, std::uint64_t client = 0);
+  /// The last call that jogged it, and until when a further one goes on with that.
+  struct LastJog {
+    std::uint64_t client = 0;
+    std::uint64_t number = 0;  ///< Of its permit.
+    tmcl::TimePoint until{};
+  };
+  LastJog& last_jog() { return last_jog_; }
   /// The same by the call that moves the axis: calls that began before keep their right to move it.
   Awaitable<void> stop_without_revoking();
   /// Its module has started again, or is another one, and a person has cleared the axis.
@@ -318,6 +325,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     bool went_too_far = false;
   };
   Search search_;
+  LastJog last_jog_;
   bool was_moving_ = false;  ///< When it was looked at last.
   tmcl::TimePoint seen_moving_{};
   Faults faults_;

@@ -163,6 +163,28 @@ std::optional<tmcl::Error> objection_to(const GatewayAxis& axis, const Permit& p
                         "lease.acquire gives one; 'tmclctl jog " + axis.name() + "' has its own");
 }
 
+/// So much later than that held, a call does not go on with the one before.
+constexpr auto latest_call = std::chrono::milliseconds(500);
+
+/// A call that goes on with one that another client has stopped meanwhile is refused, and so are
+/// those that go on with it: a key that is still held must not set the axis off again.
+std::optional<tmcl::Error> stopped_since(GatewayAxis& axis, const JogOrder& order) {
+  const auto& permit = order.movement.permit;
+  const auto now = axis.bus().clock().now();
+  auto& last = axis.last_jog();
+  if (order.wish.velocity.value == 0) return last = {}, std::nullopt;
+  const bool goes_on = last.client == permit.client && now <= last.until;
+  const bool stopped = goes_on && axis.last_stop() > last.number;
+  last = {permit.client, stopped ? last.number : permit.number,
+          now + order.wish.hold + latest_call};
+  if (!stopped) return std::nullopt;
+  auto error = tmcl::not_sent(tmcl::Errc::superseded_by_stop,
+                              "axis '" + axis.name() + "' was stopped while it was jogged",
+                              "release the key, then jog it anew");
+  error.bus = axis.bus().name();
+  return error;
+}
+
 awaitable<tmcl::Result<StartedJog>> stand_there(const JogOrder& order) {
   auto here = co_await order.axis->get(tmcl::axis_parameter::actual_position, {});
   if (!here) co_return tl::unexpected(std::move(here.error()));
@@ -183,6 +205,7 @@ awaitable<tmcl::Result<StartedJog>> jog(JogOrder order) {
   }
   permit.needs_lease = true;
   if (auto objection = objection_to(*axis, permit)) co_return tl::unexpected(*objection);
+  if (auto stop = stopped_since(*axis, order)) co_return tl::unexpected(*std::move(stop));
   if (const auto run = std::dynamic_pointer_cast<JogRun>(axis->journey())) {
     if (run->client() != permit.client) co_return tl::unexpected(axis->claimed());
     const auto number = run->wish(order.wish);
