@@ -88,6 +88,13 @@ blocking and with asyncio. Standard library only."
   DEPENDS python3:any RECOMMENDS tmcld EXTRA postinst prerm)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 
+tmcl_package(tango tmcl-tango electronics "motors on TMCL modules as devices of Tango"
+  "tmcl-tango is a Tango device server with one device for each axis of a
+tmcld: states, units, limits and events. Other clients of tmcld use the
+same axes beside it."
+  DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" python3-tango RECOMMENDS tmcld)
+set(CPACK_DEBIAN_TANGO_PACKAGE_ARCHITECTURE all)
+
 # Another name than CPackConfig.cmake, which would make CMake add its own target.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)
 set(CPACK_SOURCE_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/SourcePackagesConfig.cmake)
@@ -96,6 +103,7 @@ set(CPACK_TMCL_PACKAGING ${packaging})
 include(CPack)
 add_custom_target(package
   COMMAND ${CMAKE_CPACK_COMMAND} --config ${PROJECT_BINARY_DIR}/PackagesConfig.cmake
+  COMMAND ${CMAKE_COMMAND} -DFOLDER=${CPACK_PACKAGE_DIRECTORY} -P ${packaging}/bridges.cmake
   WORKING_DIRECTORY ${PROJECT_BINARY_DIR} USES_TERMINAL VERBATIM
   COMMENT "Packing Debian packages into ${PROJECT_BINARY_DIR}/packages")
 add_dependencies(package programs tmcl_shared)

@@ -1,5 +1,5 @@
 # Run by CPack when the files of all packages are in folders of their own: what Debian wants of every package.
-file(GLOB former ${CPACK_PACKAGE_DIRECTORY}/*.deb)
+file(GLOB former ${CPACK_PACKAGE_DIRECTORY}/*.deb ${CPACK_PACKAGE_DIRECTORY}/bridges/*.deb)
 if(former)  # an older CMake refuses an empty list
   file(REMOVE ${former})
 endif()

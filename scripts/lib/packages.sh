@@ -51,6 +51,7 @@ python3-setuptools|makes the wheel of that package
 python3-wheel|makes the wheel of that package
 python3-venv|a place for that package and its tests
 python3-pytest|the plugin of that package
+python3-tango|the bridge to Tango, without its database
 '
 
 packages_page='
