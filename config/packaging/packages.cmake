@@ -94,6 +94,12 @@ tmcld: states, units, limits and events. Other clients of tmcld use the
 same axes beside it."
   DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" python3-tango RECOMMENDS tmcld)
 set(CPACK_DEBIAN_TANGO_PACKAGE_ARCHITECTURE all)
+tmcl_package(hal tmcl-hal electronics "motors on TMCL modules as auxiliary axes of LinuxCNC"
+  "tmcl-hal is a userspace component of LinuxCNC's HAL with pins for each axis
+of a tmcld. Other clients of tmcld use the same axes beside it. It is not
+for joints of the trajectory planner."
+  DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" linuxcnc-uspace RECOMMENDS tmcld)
+set(CPACK_DEBIAN_HAL_PACKAGE_ARCHITECTURE all)
 
 # Another name than CPackConfig.cmake, which would make CMake add its own target.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)

@@ -59,6 +59,10 @@ nodejs|builds the page that tmcld shows a browser
 npm|gets what that page is made with
 '
 
+packages_bridges='
+linuxcnc-uspace|the bridge to the HAL of LinuxCNC
+'
+
 packages_vm='
 qemu-system-x86|runs the small VM in which SocketCAN works
 busybox-static|first program in that VM
