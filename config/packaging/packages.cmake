@@ -100,6 +100,12 @@ of a tmcld. Other clients of tmcld use the same axes beside it. It is not
 for joints of the trajectory planner."
   DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" linuxcnc-uspace RECOMMENDS tmcld)
 set(CPACK_DEBIAN_HAL_PACKAGE_ARCHITECTURE all)
+tmcl_package(secop tmcl-secop electronics "motors on TMCL modules as modules of Frappy (SECoP)"
+  "A Drivable for Frappy, which Debian does not have, for each axis of a tmcld:
+status, stop and errors with their causes. Other clients of tmcld use the
+same axes beside it."
+  DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" RECOMMENDS tmcld EXTRA postinst prerm)
+set(CPACK_DEBIAN_SECOP_PACKAGE_ARCHITECTURE all)
 
 # Another name than CPackConfig.cmake, which would make CMake add its own target.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)
