@@ -155,7 +155,7 @@ std::string describe(const Feeding& feeding) {
 }
 
 // As far off as paths get that go as planned: see stream_property_test.cpp.
-double most_off(StreamMode mode) { return mode == StreamMode::velocity ? 0.12 : 0.2; }
+double most_off_with_feed(StreamMode mode) { return mode == StreamMode::velocity ? 0.12 : 0.2; }
 
 // A change of speed takes half an update, by twice the acceleration; the rest is to be in time.
 double spare_jump(const Feeding& feeding) {
@@ -165,7 +165,7 @@ double spare_jump(const Feeding& feeding) {
 void judge(const Feeding& feeding, const Seen& seen) {
   EXPECT_EQ(seen.fault, "");
   EXPECT_TRUE(seen.at_end);
-  EXPECT_LT(seen.farthest, most_off(feeding.mode));
+  EXPECT_LT(seen.farthest, most_off_with_feed(feeding.mode));
   // Others make it in steps of their own.
   if (feeding.model != 6212) return;
   for (std::size_t axis = 0; axis < feeding.path.axes.size(); ++axis)

@@ -35,7 +35,7 @@ enum class Feed : std::uint8_t { per_minute, inverse, per_turn };
 
 class Writer {
  public:
-  explicit Writer(test::Random<>& random) : random_(random) {}
+  explicit Writer(tmcl::test::Random<>& random) : random_(random) {}
 
   const std::string& text() const { return text_; }
   const std::vector<Drawn>& drawn() const { return drawn_; }
@@ -247,7 +247,7 @@ class Writer {
     drawn_.push_back(std::move(drawn));
   }
 
-  test::Random<>& random_;
+  tmcl::test::Random<>& random_;
   std::string text_;
   std::vector<Drawn> drawn_;
   Place at_{};
@@ -317,7 +317,7 @@ void expect_way(const Path& path, const std::vector<Drawn>& drawn, const std::st
 }
 
 TEST(GcodeProperty, WhatIsReadIsWhatWasDrawn) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   for (int round = 0; round < 300; ++round) {
     Writer writer(random);
     for (auto n = random.between(1, 30); n > 0; --n) writer.step();
@@ -331,7 +331,7 @@ TEST(GcodeProperty, WhatIsReadIsWhatWasDrawn) {
 
 // What is skipped leaves what is known as it is.
 TEST(GcodeProperty, UnknownWordsChangeNothingElse) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   static constexpr std::array unknown{"E5",     "D1",      "M48",       "M120 P5",
                                       "G41 D2", "G131",    "G81 X5 R2", "G16 X1 Y2",
                                       "U1 V2",  "M92 X80", "G43 H3"};

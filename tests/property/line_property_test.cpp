@@ -20,7 +20,7 @@ constexpr std::size_t axes_of_a_line = 6;
 constexpr std::int64_t greatest_ratio = 20;
 
 // The ways of a line: the longest is the first one's, the others down to a twentieth of it.
-std::vector<std::int32_t> ways(test::Random<>& random, std::int64_t from, std::int64_t to) {
+std::vector<std::int32_t> ways(tmcl::test::Random<>& random, std::int64_t from, std::int64_t to) {
   std::vector<std::int32_t> ways;
   const auto longest = random.between(from, to);
   for (std::size_t i = 0; i < axes_of_a_line; ++i) {
@@ -59,10 +59,10 @@ struct Length {
 class LineSpread : public testing::TestWithParam<Length> {};
 
 TEST_P(LineSpread, SixAxesOfATmc429ModuleArriveTogetherOnAStraightLine) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   const auto twin = tmc429_axis();
   std::vector<double> spreads;
-  for (int i = 0; i < test::rounds(lines); ++i) {
+  for (int i = 0; i < tmcl::test::rounds(lines); ++i) {
     const auto all = ways(random, GetParam().from, GetParam().to);
     const auto line = plan_line(axes_for(twin, all, {1500}, {150}));
     ASSERT_TRUE(line) << line.error().message;
@@ -82,10 +82,10 @@ INSTANTIATE_TEST_SUITE_P(LineProperty, LineSpread,
 
 // Slow and fast ones, with ramps that take nearly no time and ramps that are all of it.
 TEST(LineProperty, AxesOfATmc429ModuleArriveTogetherWhateverTheirLimits) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   const auto twin = tmc429_axis();
   std::vector<double> spreads;
-  for (int i = 0; i < test::rounds(lines); ++i) {
+  for (int i = 0; i < tmcl::test::rounds(lines); ++i) {
     const InternalVelocity velocity{static_cast<std::int32_t>(random.between(150, 2047))};
     const InternalAcceleration acceleration{static_cast<std::int32_t>(random.between(100, 2047))};
     const auto line =
@@ -100,7 +100,7 @@ TEST(LineProperty, AxesOfATmc429ModuleArriveTogetherWhateverTheirLimits) {
 }
 
 TEST(LineProperty, SaysWhenEachAxisArrivesAndThatIsWhatItsSettingsMakeItDo) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   for (const auto* name : {"TMCM-6110", "TMCM-6212", "TMCM-142"}) {
     SCOPED_TRACE(name);
     auto twin = *AxisTwin::of(*find_model(name));

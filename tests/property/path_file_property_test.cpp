@@ -26,7 +26,7 @@ constexpr Steps steps_of_an_inch = 2540;
 /// Writes positions in the unit and mode of the moment, and changes those at random.
 class Writer {
  public:
-  explicit Writer(test::Random<>& random) : random_(random) {}
+  explicit Writer(tmcl::test::Random<>& random) : random_(random) {}
 
   void change() {
     // A position that is no whole number of 0.0001 inch is written in mm.
@@ -59,7 +59,7 @@ class Writer {
   }
   std::string word(Steps to, Steps from) const { return number(relative_ ? to - from : to); }
 
-  test::Random<>& random_;
+  tmcl::test::Random<>& random_;
   std::string text_ = "F1000\n";
   Steps x_ = 0, y_ = 0;
   bool inches_ = false;
@@ -83,7 +83,7 @@ double length_of(const Path& path) {
 }
 
 TEST(PathFileProperty, NoCircleAndNoMoveDependsOnTheLastBits) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   for (int round = 0; round < 300; ++round) {
     Writer writer(random);
     for (auto n = random.between(1, 30); n > 0; --n) {
@@ -107,7 +107,7 @@ TEST(PathFileProperty, NoCircleAndNoMoveDependsOnTheLastBits) {
 
 // As RS274/NGC has it: F is of X Y Z if one of them moves, and what turns arrives with them.
 TEST(PathFileProperty, WhatTurnsGoesAlongWithWhatMoves) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   for (int round = 0; round < 500; ++round) {
     const bool inches = random.one_in(2);
     const double unit = inches ? 25.4 : 1;
@@ -146,7 +146,7 @@ TEST(PathFileProperty, AxesThatTurnStayWithinTheirLimits) {
 
 // Ends and centres that were rounded to 0.01 mm or 0.001 inch are those of an arc.
 TEST(PathFileProperty, ArcsMayBeRounded) {
-  test::Random<> random(test::seed());
+  tmcl::test::Random<> random(tmcl::test::seed());
   for (int round = 0; round < 2000; ++round) {
     const bool inches = random.one_in(2);
     const auto any = [&](double most) {

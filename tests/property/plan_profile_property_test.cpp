@@ -126,7 +126,7 @@ int unknowns(Assumption assumption) { return 4 - static_cast<int>(assumption); }
 
 std::string trace(Subset subset, Assumption assumption) {
   std::string text =
-      "TMCL_SEED=" + std::to_string(test::seed()) + ' ' + std::string(name_of(assumption));
+      "TMCL_SEED=" + std::to_string(tmcl::test::seed()) + ' ' + std::string(name_of(assumption));
   for (const auto quantity : members(subset)) text += ' ' + std::string(name_of(quantity));
   return text;
 }
@@ -150,7 +150,7 @@ void expect_equations(const Profile& p, const std::string& where) {
 
 TEST(PlanProfileProperty, EverySufficientSubsetGivesTheSameProfile) {
   constexpr int profiles = 1000;
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   int solved_subsets = 0;
   for (int i = 0; i < profiles; ++i) {
     for (const auto assumption : assumptions) {
@@ -170,7 +170,7 @@ TEST(PlanProfileProperty, EverySufficientSubsetGivesTheSameProfile) {
 
 TEST(PlanProfileProperty, EveryOtherSubsetIsCalledInsufficient) {
   constexpr int profiles = 10;
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   for (int i = 0; i < profiles; ++i) {
     for (const auto assumption : assumptions) {
       const auto profile = source.profile(assumption);
@@ -193,7 +193,7 @@ TEST(PlanProfileProperty, EveryOtherSubsetIsCalledInsufficient) {
 
 TEST(PlanProfileProperty, TrianglesToo) {
   constexpr int profiles = 1000;
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   for (int i = 0; i < profiles; ++i) {
     const auto profile = source.triangle();
     for (Subset subset = 0; subset < every_subset; ++subset) {
@@ -212,7 +212,7 @@ TEST(PlanProfileProperty, TrianglesToo) {
 // profile, or an impossible one, or still not enough.
 TEST(PlanProfileProperty, WhatContradictsIsNamed) {
   constexpr int scripts = 4000;
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   int contradictions = 0;
   for (int i = 0; i < scripts; ++i) {
     const auto assumption = assumptions[static_cast<std::size_t>(i) % assumptions.size()];
@@ -250,7 +250,7 @@ TEST(PlanProfileProperty, WhatContradictsIsNamed) {
 // What is said to be possible is.
 TEST(PlanProfileProperty, BoundsArePossible) {
   constexpr int scripts = 3000;
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   int bounds = 0;
   for (int i = 0; i < scripts; ++i) {
     const auto profile = source.profile(Assumption::none);
@@ -319,7 +319,7 @@ void expect_the_same(const Profile& solved, const Profile& profile, const std::s
 }
 
 TEST(PlanProfileProperty, FourThatAreEnoughFromRestAreEnoughWithOneSpeedAtBothEnds) {
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   for (int i = 0; i < 2000; ++i) {
     const auto assumption = assumptions[static_cast<std::size_t>(i) % assumptions.size()];
     auto profile = with_ends(source, assumption);
@@ -336,7 +336,7 @@ TEST(PlanProfileProperty, FourThatAreEnoughFromRestAreEnoughWithOneSpeedAtBothEn
 
 // What is solved is the profile; and all of it but one value is always enough.
 TEST(PlanProfileProperty, UnlikeEndsAreSolvedOrCalledInsufficient) {
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   int solved_subsets = 0;
   for (int i = 0; i < 300; ++i) {
     const auto assumption = assumptions[static_cast<std::size_t>(i) % assumptions.size()];
@@ -359,7 +359,7 @@ TEST(PlanProfileProperty, UnlikeEndsAreSolvedOrCalledInsufficient) {
 // The five equations of constant acceleration: two of a ramp's speed, rate, time and distance give
 // the others.
 TEST(PlanProfileProperty, TwoOfARampGiveTheOthers) {
-  Source source(test::seed());
+  Source source(tmcl::test::seed());
   constexpr std::array of_ramp{speed, acceleration, acceleration_time, acceleration_distance};
   for (int i = 0; i < 1000; ++i) {
     const auto profile = with_ends(source, Assumption::none);

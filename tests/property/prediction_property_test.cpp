@@ -119,7 +119,7 @@ class Pair {
   std::int32_t get(std::uint8_t parameter) { return *module_.axis(0).get(parameter); }
 
   const Model& model_;
-  test::Random<> random_;
+  tmcl::test::Random<> random_;
   VirtualClock clock_;
   tmcl::test::NoEvents events_;
   sim::Module module_;
@@ -135,7 +135,7 @@ TEST_P(Prediction, ComesTrueToTheTick) {
   int arrivals = 0;
   for (int i = 0; i < modules; ++i) {
     SCOPED_TRACE(i);
-    Pair pair(*find_model(GetParam()), test::seed() + static_cast<std::uint64_t>(i));
+    Pair pair(*find_model(GetParam()), tmcl::test::seed() + static_cast<std::uint64_t>(i));
     for (int move = 0; move < moves_per_module && !testing::Test::HasFailure(); ++move)
       pair.move_somewhere();
     arrivals += pair.arrivals;

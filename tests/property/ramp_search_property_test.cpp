@@ -56,7 +56,7 @@ std::vector<Candidate> grid_of(const RampSearch& search) {
 
 class RampSearchOf : public testing::TestWithParam<std::string> {
  protected:
-  test::Random<> random{test::seed()};
+  tmcl::test::Random<> random{tmcl::test::seed()};
 
   std::int32_t any_distance() {
     return static_cast<std::int32_t>(random.either_way(100 + random.any_size(1'000'000)));
@@ -64,7 +64,7 @@ class RampSearchOf : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(RampSearchOf, NoRampOfAGridIsGentlerAndInTime) {
-  for (int round = 0; round < test::rounds(4); ++round) {
+  for (int round = 0; round < tmcl::test::rounds(4); ++round) {
     const auto search = search_on(GetParam(), any_distance());
     const double way = std::abs(static_cast<double>(search.distance.value));
     const double seconds = way / static_cast<double>(random.between(500, 200'000)) + 0.01;
@@ -83,7 +83,7 @@ TEST_P(RampSearchOf, NoRampOfAGridIsGentlerAndInTime) {
   }
 }
 
-MotorWish any_motor(test::Random<>& random) {
+MotorWish any_motor(tmcl::test::Random<>& random) {
   MotorWish motor;
   motor.torque.load = static_cast<double>(random.between(0, 300));
   motor.torque.load_per_velocity = static_cast<double>(random.between(0, 200));
@@ -95,7 +95,7 @@ MotorWish any_motor(test::Random<>& random) {
 }
 
 TEST_P(RampSearchOf, NoRampOfAGridIsQuickerWithinTheTorque) {
-  for (int round = 0; round < test::rounds(3); ++round) {
+  for (int round = 0; round < tmcl::test::rounds(3); ++round) {
     const auto search = search_on(GetParam(), any_distance());
     const auto motor = any_motor(random);
     const double most = 1 / (1 + motor.margin);
@@ -149,8 +149,8 @@ bool loses_steps(const RampSearch& search, const FoundRamp& found, const MotorTo
 
 // It looks at speed and load every millisecond, as the search does.
 TEST(RampSearchProperty, ASimulatedMotorHasTheTorqueForTheQuickestRamp) {
-  test::Random<> random(test::seed());
-  for (int round = 0; round < test::rounds(4); ++round) {
+  tmcl::test::Random<> random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(4); ++round) {
     const auto search =
         search_on("TMCM-6212", static_cast<std::int32_t>(random.between(5'000, 500'000)));
     const auto motor = any_motor(random);

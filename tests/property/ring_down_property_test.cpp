@@ -14,7 +14,7 @@
 namespace tmcl::plan {
 namespace {
 
-class Scene : public test::Random<std::int64_t> {
+class Scene : public tmcl::test::Random<std::int64_t> {
  public:
   explicit Scene(std::uint64_t seed) : Random(seed) {
     count = static_cast<std::size_t>(between(100, 500));
@@ -62,8 +62,9 @@ class Scene : public test::Random<std::int64_t> {
 };
 
 TEST(RingDownProperty, FindsFrequencyAndDampingAgain) {
-  const auto first = test::seed();
-  for (auto seed = first; seed < first + static_cast<std::uint64_t>(test::rounds(200)); ++seed) {
+  const auto first = tmcl::test::seed();
+  for (auto seed = first; seed < first + static_cast<std::uint64_t>(tmcl::test::rounds(200));
+       ++seed) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Scene scene(seed);
     const auto found = ring_down(scene.positions());
@@ -81,8 +82,9 @@ TEST(RingDownProperty, FindsFrequencyAndDampingAgain) {
 }
 
 TEST(RingDownProperty, NoiseDoesNotRing) {
-  const auto first = test::seed();
-  for (auto seed = first; seed < first + static_cast<std::uint64_t>(test::rounds(200)); ++seed) {
+  const auto first = tmcl::test::seed();
+  for (auto seed = first; seed < first + static_cast<std::uint64_t>(tmcl::test::rounds(200));
+       ++seed) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Scene scene(seed);
     scene.swing = 0;
@@ -93,8 +95,9 @@ TEST(RingDownProperty, NoiseDoesNotRing) {
 
 // Read at even times it would look like a slower one; what is read at other times tells.
 TEST(RingDownProperty, TwoReadingsDoNotAgreeOnWhatOnlyLooksSo) {
-  const auto first = test::seed();
-  for (auto seed = first; seed < first + static_cast<std::uint64_t>(test::rounds(50)); ++seed) {
+  const auto first = tmcl::test::seed();
+  for (auto seed = first; seed < first + static_cast<std::uint64_t>(tmcl::test::rounds(50));
+       ++seed) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Scene scene(seed);
     const bool looks_slower = scene.one_in(2);
@@ -112,8 +115,9 @@ TEST(RingDownProperty, TwoReadingsDoNotAgreeOnWhatOnlyLooksSo) {
 
 // Faster than they are read: with uneven times it does not look like a slower one.
 TEST(RingDownProperty, WhatIsTooFastIsNotTakenForSomethingSlower) {
-  const auto first = test::seed();
-  for (auto seed = first; seed < first + static_cast<std::uint64_t>(test::rounds(200)); ++seed) {
+  const auto first = tmcl::test::seed();
+  for (auto seed = first; seed < first + static_cast<std::uint64_t>(tmcl::test::rounds(200));
+       ++seed) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Scene scene(seed);
     scene.jitter = 0.4;
