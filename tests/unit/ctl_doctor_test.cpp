@@ -70,7 +70,7 @@ TEST_F(PortsOfAComputer, AreNotTriedByAModemManagerWhereTheyAreNone) {
   EXPECT_THAT(wrong(), IsEmpty());
 }
 
-TEST(Port, ThatThisProgramHasIsFreeOfOthers) {
+TEST(PortsOfThisProgram, AreFreeOfOthers) {
   const auto pty = tmcl::open_pty().value();
   for (const auto& finding : look_at_port(pty.slave_name, "unit_tests")) {
     if (finding.check != Check::holder) continue;

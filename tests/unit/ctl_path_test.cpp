@@ -368,7 +368,9 @@ TEST_F(CtlPath, APathIsPlannedOnceAndRunAsItWasPlanned) {
   EXPECT_EQ(target.run_text, "G1 X10 F600\n");
   EXPECT_THAT(target.calls, testing::ElementsAre(R"(path.plan {"axes":["left"],"file_axes":["X"],)"
                                                  R"("bytes":12,"format":"gcode","mode":"velocity",)"
-                                                 R"("tolerance":5E-2,"feed":3E0,"period_ms":5})",
+                                                 R"("tolerance":5E-2,"feed":3E0,"period_ms":5,)"
+                                                 R"("name":")" +
+                                                     line + R"("})",
                                                  R"(path.run {"plan":3,"to_start":true})"));
   EXPECT_THAT(out, HasSubstr("0.2500"));
   EXPECT_THAT(out, HasSubstr("7 updates"));

@@ -54,7 +54,8 @@ TEST_F(DaemonLease, NobodyElseMovesItsAxes) {
     SCOPED_TRACE(testing::PrintToString(example));
     json::object answer;
     for (const auto& step : example.steps) answer = other_->call(step.method, step.params);
-    if (example.method() == "path.resume") continue;
+    // No path has begun that they could go on with.
+    if (example.method() == "path.resume" || example.method() == "path.feed") continue;
     ASSERT_TRUE(answer.contains("error"));
     EXPECT_EQ(text(answer.at("error").at("data").at("name")), "leased");
     EXPECT_EQ(text(answer.at("error").at("data").at("outcome")), "not_sent");
