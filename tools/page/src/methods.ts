@@ -736,8 +736,16 @@ export interface Methods {
       deviation?: number;
       /** in velocity mode, and by segments, no updates more often than this; 5 if absent */
       period_ms?: number;
+      /** zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing after it; takes up to a swing longer, and cuts corners; not in position mode */
+      shaper?: string;
+      /** for shaper: as axis.resonance measures it */
+      resonance_hz?: number;
+      /** of those swings, 0 to less than 1; 0.05 if absent */
+      damping?: number;
       /** whether words of G-code that are not known are skipped, with warnings; refused if absent */
       lenient?: boolean;
+      /** by what path.status tells it from others, such as the name of its file */
+      name?: string;
       /** how many of the curve are given; none if absent */
       points?: number;
     };
@@ -777,6 +785,30 @@ export interface Methods {
           position: number[];
         }[];
       };
+      /** what the shaper makes of it; null without one */
+      shaping: {
+        /** zv, zvd or ei */
+        shaper: string;
+        /** which it is for */
+        resonance_hz: number;
+        /** of those swings */
+        damping: number;
+        /** than the path takes without it */
+        longer_s: number;
+        /** how far it leaves the path at most: it cuts corners */
+        off_path: number;
+        /** when that is, in seconds of the course */
+        off_path_at_s: number;
+        /** what it leaves of their swings */
+        axes: {
+          /** of the file */
+          axis: string;
+          /** of its load after the path, to either side */
+          swing: number;
+          /** the same without the shaper */
+          unshaped_swing: number;
+        }[];
+      } | null;
       /** to draw it; null unless points are asked for */
       curve: {
         /** of its points */
@@ -838,8 +870,16 @@ export interface Methods {
       deviation?: number;
       /** in velocity mode, and by segments, no updates more often than this; 5 if absent */
       period_ms?: number;
+      /** zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing after it; takes up to a swing longer, and cuts corners; not in position mode */
+      shaper?: string;
+      /** for shaper: as axis.resonance measures it */
+      resonance_hz?: number;
+      /** of those swings, 0 to less than 1; 0.05 if absent */
+      damping?: number;
       /** whether words of G-code that are not known are skipped, with warnings; refused if absent */
       lenient?: boolean;
+      /** by what path.status tells it from others, such as the name of its file */
+      name?: string;
       /** what path.plan has planned, instead of all but to_start */
       plan?: number;
       /** whether the axes go to the start first; they must stand there if absent */
@@ -928,6 +968,102 @@ export interface Methods {
     result: {
       /** of the paths concerned */
       axes: string[];
+    };
+  };
+  /** how far the paths of some axes are, and how fast */
+  "path.status": {
+    params: {
+      /** of paths; all paths if absent */
+      axes?: string[];
+    };
+    result: {
+      /** those concerned */
+      paths: {
+        /** in the order of the file's */
+        axes: string[];
+        /** what path.run calls it */
+        name: string | null;
+        /** velocity, segments or position */
+        mode: string;
+        /** approaching, measuring, running, pausing or ending */
+        phase: string;
+        /** how much of its course has been passed, in seconds of that */
+        passed_s: number;
+        /** how long the course takes as it was planned */
+        duration_s: number;
+        /** what part of it has been passed; 0 to 1 */
+        done: number;
+        /** how long the rest takes with the present override, or with 1 if that is greater; null while it is held */
+        left_s: number | null;
+        /** of the file, on which it is; null in a table with times */
+        line: number | null;
+        /** whether it stands on its path, or is about to */
+        held: boolean;
+        /** the override: what part of the planned speed is asked for */
+        factor: number;
+        /** what there is of it now; less than is asked for while it changes, and where an axis can do no more */
+        factor_now: number;
+        /** the speed that the course has here */
+        planned_feed: number;
+        /** the speed that there is: factor_now of it */
+        feed: number;
+        /** how far from the path the axes were seen so far */
+        off_path: number;
+        /** when that was, in seconds of the course */
+        off_path_at_s: number;
+        /** how late on the path they were seen so far */
+        lag_s: number;
+      }[];
+    };
+  };
+  /** slows paths down, speeds them up, holds them and lets them go on */
+  "path.feed": {
+    params: {
+      /** of paths; all paths if absent */
+      axes?: string[];
+      /** the override, 0.1 to 2: what part of the planned speed is asked for */
+      factor?: number;
+      /** whether they stand on their path; false: they go on */
+      hold?: boolean;
+    };
+    result: {
+      /** those concerned */
+      paths: {
+        /** in the order of the file's */
+        axes: string[];
+        /** what path.run calls it */
+        name: string | null;
+        /** velocity, segments or position */
+        mode: string;
+        /** approaching, measuring, running, pausing or ending */
+        phase: string;
+        /** how much of its course has been passed, in seconds of that */
+        passed_s: number;
+        /** how long the course takes as it was planned */
+        duration_s: number;
+        /** what part of it has been passed; 0 to 1 */
+        done: number;
+        /** how long the rest takes with the present override, or with 1 if that is greater; null while it is held */
+        left_s: number | null;
+        /** of the file, on which it is; null in a table with times */
+        line: number | null;
+        /** whether it stands on its path, or is about to */
+        held: boolean;
+        /** the override: what part of the planned speed is asked for */
+        factor: number;
+        /** what there is of it now; less than is asked for while it changes, and where an axis can do no more */
+        factor_now: number;
+        /** the speed that the course has here */
+        planned_feed: number;
+        /** the speed that there is: factor_now of it */
+        feed: number;
+        /** how far from the path the axes were seen so far */
+        off_path: number;
+        /** when that was, in seconds of the course */
+        off_path_at_s: number;
+        /** how late on the path they were seen so far */
+        lag_s: number;
+      }[];
     };
   };
   /** ends paths: answers when their axes stand and have their settings again */
@@ -1499,6 +1635,102 @@ export interface Methods {
       reason: string | null;
       /** how far the axis has gone */
       way_microsteps: number;
+    };
+  };
+  /** finds by trials the greatest velocity and acceleration that an axis bears */
+  "axis.tune": {
+    params: {
+      /** name of the axis */
+      axis: string;
+      /** of parameter 6: no more flows in the trials */
+      max_current: number;
+      /** how far it may go down from where it stands: 0 or less; to its soft limits if absent */
+      from_microsteps?: number;
+      /** the same, instead; a number: in the axis' unit */
+      from?: number | string;
+      /** how far it may go up from there: 0 or more */
+      to_microsteps?: number;
+      /** the same, instead; a number: in the axis' unit */
+      to?: number | string;
+      /** so much more than what is proposed has held, in parts; 0.2 if absent */
+      margin?: number;
+      /** sets what is proposed, and keeps it in the EEPROM of its module */
+      store?: boolean;
+    };
+    result: {
+      /** name of the axis */
+      axis: string;
+      /** in microsteps per second, with the acceleration of the axis */
+      velocity: {
+        /** the greatest that held, or of the current the least */
+        limit: number;
+        /** with the margin */
+        proposed: number;
+        /** motor: a trial beyond it failed; travel: that is too short for more; bounds: those of the axis and of its module */
+        limited_by: string;
+      };
+      /** per second squared, at the proposed velocity */
+      acceleration: {
+        /** the greatest that held, or of the current the least */
+        limit: number;
+        /** with the margin */
+        proposed: number;
+        /** motor: a trial beyond it failed; travel: that is too short for more; bounds: those of the axis and of its module */
+        limited_by: string;
+      };
+      /** of parameter 6, for both that are proposed */
+      current: {
+        /** the greatest that held, or of the current the least */
+        limit: number;
+        /** with the margin */
+        proposed: number;
+        /** motor: a trial beyond it failed; travel: that is too short for more; bounds: those of the axis and of its module */
+        limited_by: string;
+      };
+      /** of stallGuard2: the least with which the load value keeps off 0 by a tenth of its range; null where the module has none, or none does */
+      threshold: number | null;
+      /** between motor and encoder, in microsteps */
+      backlash: number;
+      /** of the encoder; below 0 if it counts the other way */
+      counts_per_microstep: number;
+      /** the position of the axis was set again, as its encoder has it: search the reference */
+      lost_steps: boolean;
+      /** all that were made, in their order */
+      trials: {
+        /** velocity, acceleration, current, threshold, or confirmation */
+        sought: string;
+        /** in microsteps per second */
+        velocity_pps: number;
+        /** per second squared */
+        acceleration_pps2: number;
+        /** of parameter 6 */
+        current: number;
+        /** the encoder was where the motor should be, there and back */
+        held: boolean;
+        /** the greatest that the encoder had, in microsteps */
+        deviation: number;
+        /** the least at full speed, where it was read */
+        load_value: number | null;
+        /** of stallGuard2, with which that was */
+        threshold: number | null;
+        /** why it did not hold; empty if it did */
+        trouble: string;
+      }[];
+      /** what is proposed, in the order to set it */
+      settings: {
+        /** its number */
+        parameter: number;
+        /** of the parameter */
+        name: string;
+        /** what is proposed */
+        value: number;
+        /** what the axis has */
+        before: number;
+      }[];
+      /** they are set, and in the module's EEPROM where that keeps them */
+      stored: boolean;
+      /** about what was found */
+      warnings: string[];
     };
   };
   /** moves an axis a little, and finds out in what its module is not like its twin */
@@ -2449,6 +2681,35 @@ export interface Methods {
       unattended: boolean;
     };
   };
+  /** executes commands of the program one by one, until it stands before one of these; tells its progress by notify_progress */
+  "program.step_to": {
+    params: {
+      /** name of the bus */
+      bus: string;
+      /** address of the module */
+      address: number;
+      /** addresses in the program: it ends before a command there, but executes the first one anyhow */
+      until?: number[];
+      /** how many commands at most; 1 if absent, or 1000 with `until` */
+      most_steps?: number;
+      /** how long one command may take, such as WAIT; 60000 if absent */
+      wait_ms?: number;
+    };
+    result: {
+      /** address: the next command is at one of them; ended: the program has ended, failed or was stopped; steps: so many were executed; waits: the command is not over yet */
+      reason: string;
+      /** how many commands were executed, one that waits included */
+      steps: number;
+      /** stopped, running, stepping or reset */
+      state: string;
+      /** the next command */
+      next_address: number | null;
+      /** 0: none; null if the module does not say */
+      last_error: number | null;
+      /** true: what the program sets turning has no owner, and turns on when a connection ends */
+      unattended: boolean;
+    };
+  };
   /** ends the program and sets it back to its start */
   "program.reset": {
     params: {
@@ -2738,6 +2999,8 @@ export const roleFor: Record<keyof Methods, Role> = {
   "path.run": "operate",
   "path.pause": "operate",
   "path.resume": "operate",
+  "path.status": "observe",
+  "path.feed": "operate",
   "path.stop": "stop",
   "mint.run": "operate",
   "axis.get_ramp": "observe",
@@ -2753,6 +3016,7 @@ export const roleFor: Record<keyof Methods, Role> = {
   "axis.recover": "operate",
   "axis.set_deadman": "configure",
   "axis.test_deadman": "configure",
+  "axis.tune": "configure",
   "axis.verify": "configure",
   "capture.start": "operate",
   "capture.state": "observe",
@@ -2793,6 +3057,7 @@ export const roleFor: Record<keyof Methods, Role> = {
   "program.run": "operate",
   "program.stop": "operate",
   "program.step": "operate",
+  "program.step_to": "operate",
   "program.reset": "operate",
   "program.status": "observe",
   "program.set_breakpoint": "configure",

@@ -650,6 +650,35 @@ class PathPlanCourse(Record):
 
 
 @dataclass(frozen=True)
+class PathPlanShapingAxes(Record):
+    #: of the file
+    axis: str = ""
+    #: of its load after the path, to either side
+    swing: float = 0.0
+    #: the same without the shaper
+    unshaped_swing: float = 0.0
+
+
+@dataclass(frozen=True)
+class PathPlanShaping(Record):
+    #: zv, zvd or ei
+    shaper: str = ""
+    #: which it is for
+    resonance_hz: float = 0.0
+    #: of those swings
+    damping: float = 0.0
+    #: than the path takes without it
+    longer_s: float = 0.0
+    #: how far it leaves the path at most: it cuts corners
+    off_path: float = 0.0
+    #: when that is, in seconds of the course
+    off_path_at_s: float = 0.0
+    #: what it leaves of their swings
+    axes: tuple[PathPlanShapingAxes, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": PathPlanShapingAxes}
+
+
+@dataclass(frozen=True)
 class PathPlanCurve(Record):
     #: of its points
     times_s: tuple[float, ...] = ()
@@ -685,6 +714,8 @@ class PathPlan(Record):
     axes: tuple[str, ...] = ()
     #: where it leads, and how fast
     course: PathPlanCourse = field(default_factory=lambda: PathPlanCourse())
+    #: what the shaper makes of it; null without one
+    shaping: PathPlanShaping | None = None
     #: to draw it; null unless points are asked for
     curve: PathPlanCurve | None = None
     #: what is expected in each mode, the one that was asked for first; empty where the ramps
@@ -692,7 +723,7 @@ class PathPlan(Record):
     expected: tuple[PathPlanExpected, ...] = ()
     #: warnings about the settings of its axes, and what of the file is not carried out
     warnings: tuple[str, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve, "expected": PathPlanExpected}
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "shaping": PathPlanShaping, "curve": PathPlanCurve, "expected": PathPlanExpected}
 
 
 @dataclass(frozen=True)
@@ -2006,12 +2037,15 @@ class Methods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        shaper: str | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
         lenient: bool | None = None,
         name: str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "points": points}))
+        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "points": points}))
 
     def path_run(
         self,
@@ -2030,6 +2064,9 @@ class Methods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        shaper: str | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
         lenient: bool | None = None,
         name: str | None = None,
         plan: int | None = None,
@@ -2037,7 +2074,7 @@ class Methods:
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
 
     def path_pause(
         self,
@@ -3044,12 +3081,15 @@ class AsyncMethods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        shaper: str | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
         lenient: bool | None = None,
         name: str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "points": points}))
+        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "points": points}))
 
     async def path_run(
         self,
@@ -3068,6 +3108,9 @@ class AsyncMethods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        shaper: str | None = None,
+        resonance_hz: float | None = None,
+        damping: float | None = None,
         lenient: bool | None = None,
         name: str | None = None,
         plan: int | None = None,
@@ -3075,7 +3118,7 @@ class AsyncMethods:
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
 
     async def path_pause(
         self,
