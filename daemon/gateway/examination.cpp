@@ -190,14 +190,10 @@ awaitable<bool> look_at_module(GatewayBus& bus, GatewayModule& module, std::uint
                                Notes notes) {
   const auto asked_after = bus.link().traffic().last();
   const auto ready = co_await module.be_ready();
-  if (!ready) {
-    note_silence(bus, asked_after, ready.error().message, notes);
-    co_return false;
-  }
-  // It may have fallen silent since it was made ready.
+  // It may have fallen silent since it was made ready; one that is known as silent was not asked.
   const auto now = co_await bus.run(tmcl::verbs::identify(module.address()), asked_by(client));
-  if (!now) {
-    note_silence(bus, asked_after, now.error().message, notes);
+  if (!ready || !now) {
+    note_silence(bus, asked_after, (ready ? now.error() : ready.error()).message, notes);
     co_return false;
   }
   const auto* model = module.model();

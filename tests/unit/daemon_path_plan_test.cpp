@@ -121,7 +121,7 @@ TEST_F(DaemonPathPlan, AShaperLetsLoadsHardlySwing) {
   const auto& x = shaping.at("axes").at(0);
   EXPECT_LT(x.at("swing").to_number<double>(), 0.01 * x.at("unshaped_swing").to_number<double>());
   const double off = shaping.at("off_path").to_number<double>();
-  EXPECT_GT(off, 0.01);
+  EXPECT_GT(off, 0.005);
   EXPECT_GT(shaped.at("expected").at(0).at("off_path").to_number<double>(), 0.9 * off);
   const auto ended = bench.call("path.run", run(shaped));
   ASSERT_TRUE(ended) << ended.error().message;
