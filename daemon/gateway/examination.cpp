@@ -86,29 +86,31 @@ void look_at_link(const GatewayBus& bus, Notes notes) {
 struct Asked {
   std::uint64_t requests = 0;
   std::uint64_t lost = 0;  ///< Of these.
+  std::uint64_t garbage_bytes = 0;
 };
 
 Asked asked_since(const GatewayBus& bus, const tmcl::BusCounters& before) {
   const auto now = bus.counters();
-  return {now.requests - before.requests, now.timeouts - before.timeouts};
+  return {now.requests - before.requests, now.timeouts - before.timeouts,
+          now.garbage_bytes - before.garbage_bytes};
 }
 
 /// Since `before`: a scan of all addresses had its time-outs, too. A module that does not answer at
 /// all is a finding of its own, and says nothing of the line.
 void look_at_traffic(const GatewayBus& bus, const tmcl::BusCounters& before, const Asked& in_vain,
                      Notes notes) {
-  const auto now = bus.counters();
   const auto all = asked_since(bus, before);
-  const Asked heard{all.requests - in_vain.requests, all.lost - in_vain.lost};
+  const Asked heard{all.requests - in_vain.requests, all.lost - in_vain.lost,
+                    all.garbage_bytes - in_vain.garbage_bytes};
   notes.note(Check::replies, heard.lost > 0,
              heard.requests == 0 ? "no module that answers was asked"
                                  : fmt::format("{} of {} requests to modules that answer were not, "
                                                "just now",
                                                heard.lost, heard.requests));
-  const auto garbage = now.garbage_bytes - before.garbage_bytes;
-  notes.note(Check::noise, garbage > 0,
-             garbage > 0 ? fmt::format("{} came just now", garbage)
-                         : fmt::format("none just now, {} since it was opened", now.garbage_bytes));
+  notes.note(Check::noise, heard.garbage_bytes > 0,
+             heard.garbage_bytes > 0 ? fmt::format("{} came just now", heard.garbage_bytes)
+                                     : fmt::format("none just now, {} since it was opened",
+                                                   bus.counters().garbage_bytes));
 }
 
 // ---- a module -----------------------------------------------------------------------------------
@@ -160,16 +162,19 @@ awaitable<void> probe(GatewayBus& bus, tmcl::ModuleAddress address, std::size_t 
     co_await ask(bus, tmcl::verbs::get(motor, tmcl::axis_parameter::actual_position), client);
 }
 
-/// What a line brought after that datagram.
-tmcl::HeardVerdict heard_after(const GatewayBus& bus, std::uint64_t number) {
+/// What a line brought after that datagram; nothing if nothing was asked meanwhile.
+std::optional<tmcl::HeardVerdict> heard_after(const GatewayBus& bus, std::uint64_t number) {
   tmcl::Heard heard(bus.config().bus_options.host_address);
+  bool asked = false;
   for (const auto& entry : bus.link().traffic().after(number, TrafficLog::most)) {
     tmcl::Traffic traffic;
     traffic.at = entry.at;
     traffic.direction = entry.direction;
+    asked |= entry.direction == tmcl::Traffic::Direction::out;
     traffic.bytes = std::span(entry.bytes).first(entry.size);
     heard.note(traffic);
   }
+  if (!asked) return std::nullopt;
   return heard.verdict();
 }
 
@@ -179,10 +184,10 @@ void note_silence(const GatewayBus& bus, std::uint64_t asked_after, const std::s
   if (bus.is_can()) return notes.wrong(Check::module, text);
   const auto heard = heard_after(bus, asked_after);
   // To questions to others.
-  if (heard.kind == tmcl::HeardKind::answers) return notes.wrong(Check::module, text);
+  if (!heard || heard->kind == tmcl::HeardKind::answers) return notes.wrong(Check::module, text);
   const auto* port = std::get_if<tmcl::SerialName>(&bus.config().link);
-  notes.wrong(Check::module, text + ": " + meaning_of(heard),
-              hint_for(heard.kind, port != nullptr ? "serial:" + port->device : ""));
+  notes.wrong(Check::module, text + ": " + meaning_of(*heard),
+              hint_for(heard->kind, port != nullptr ? "serial:" + port->device : ""));
 }
 
 /// False if it does not answer.
@@ -363,6 +368,7 @@ awaitable<Findings> examine(std::shared_ptr<Gateway> gateway, Examined what) {
         const auto asked = asked_since(*bus, before_it);
         in_vain.requests += asked.requests;
         in_vain.lost += asked.lost;
+        in_vain.garbage_bytes += asked.garbage_bytes;
         continue;
       }
       co_await probe(*bus, address, most_probes / addresses.size(), what.client);

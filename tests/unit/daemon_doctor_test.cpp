@@ -90,11 +90,8 @@ TEST(Doctor, SaysWhatALineBringsInsteadOfAnswers) {
   const auto nothing = wrong_in(bench, {{"axis", "x"}}).front();
   EXPECT_THAT(nothing.text, testing::EndsWith("does not answer: nothing came back"));
   EXPECT_THAT(nothing.cure, HasSubstr("A and B, or RX and TX swapped?"));
-  bench.on_request = [&](const tmcl::Request&) { bench.wire.say("gateway login: \r\n"); };
-  const auto text = wrong_in(bench, {{"axis", "x"}}).front();
-  EXPECT_EQ(text.check, "module");
-  EXPECT_THAT(text.text, HasSubstr("text came, as of a console: \"gateway login: \""));
-  EXPECT_THAT(text.cure, HasSubstr("a console that the kernel or getty writes to"));
+  // One that was silent just now is left alone for a while: nothing can be said of its answers.
+  EXPECT_THAT(wrong_in(bench, {{"axis", "x"}}).front().text, testing::EndsWith("does not answer"));
 }
 
 TEST(Doctor, FindsMotorsWithoutSupply) {

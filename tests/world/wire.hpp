@@ -99,9 +99,6 @@ class Wire {
 
   /// Something was done to the modules.
   void touch() { scheduler_.touch(); }
-
-  /// A console, or what else may be at the other end.
-  void say(std::string_view text) { write(Bytes(text.begin(), text.end())); }
   /// The supply of a module fails now, and is back at once. Who has asked it gets no answer.
   void power_cycle(tmcl::sim::Module& module, tmcl::ModuleAddress address) {
     trace_->add(clock_.now(), name_ + " restarts", {});
