@@ -121,9 +121,10 @@ GatewayAxis::Awaitable<TunedAxis> tune_axis(std::shared_ptr<Gateway> gateway,
   // It has given back what it had, unless something has ended it.
   const auto before = course.before();
   if (!found && !before.empty()) found.error().outcome = tmcl::Outcome::unknown;
-  const bool is_in_order = found.has_value();
-  co_await end_course(gateway, axis, *begun,
-                      is_in_order ? std::vector<tmcl::plan::Setting>{} : before);
+  std::vector<tmcl::plan::Setting> not_given_back;
+  if (!found) not_given_back = before;
+  auto ending = end_course(gateway, axis, *begun, std::move(not_given_back));
+  co_await std::move(ending);
   if (!found) co_return tl::unexpected(std::move(found.error()));
   TunedAxis tuned{std::move(*found), before};
   co_return tuned;
