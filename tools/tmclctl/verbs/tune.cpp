@@ -123,6 +123,9 @@ api::axis::Tune method_of(const verb::Tune& verb) {
   return method;
 }
 
+/// tmcld tells of each trial, and one may go slowly through all of the travel.
+constexpr auto longest_trial = std::chrono::minutes(10);
+
 Result<ExitCode> run(const verb::Tune& verb, Context& context) {
   const auto wanted = may_be_measured(verb.axis, verb.travel, verb.yes, context);
   if (!wanted) return tl::unexpected(wanted.error());
@@ -136,7 +139,7 @@ Result<ExitCode> run(const verb::Tune& verb, Context& context) {
       [&](const api::axis::TuneProgress& progress) {
         line.show(fmt::format("{}: {}", verb.axis, progress.text));
       });
-  const auto tuned = context.call(method_of(verb));
+  const auto tuned = context.call(method_of(verb), {.timeout = longest_trial, .meanwhile = {}});
   line.clear();
   if (!tuned) return tl::unexpected(tuned.error());
   warn(tuned->warnings, context.output);
