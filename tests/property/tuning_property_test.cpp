@@ -25,8 +25,8 @@ constexpr double scales = 32;
 /// What is found may be so far below what the load bears: 2 % of the search and 8 % of the model,
 /// which looks at torque every millisecond.
 constexpr double near = 0.1;
-constexpr double short_ramp_s = 0.03;
-constexpr double most_shortage = 1.15;
+/// What stands off by less is not seen: half a full step at rest, and 0.3 by the encoder's ratio.
+constexpr double full_steps_unseen = 0.8;
 
 /// In full steps.
 struct Truth {
@@ -36,20 +36,20 @@ struct Truth {
   bool bears(double speed, double at) const {
     return torque.asked(speed, at) < torque.there(speed);
   }
-  /// Where a ramp is over in some milliseconds, a rotor that lacks a little torque at its end only
-  /// falls back by less than what would lose it.
-  bool bears_ramp(double speed, double at) const {
-    const double most = speed / at < short_ramp_s ? most_shortage : 1;
-    return torque.asked(speed, at) < most * torque.there(speed);
-  }
-  double greatest_speed() const {
+  double greatest_speed(double at) const {
     double low = 0;
     double high = 1e6;
     while (high - low > 0.01) {
       const auto middle = (low + high) / 2;
-      (bears(middle, acceleration) ? low : high) = middle;
+      (bears(middle, at) ? low : high) = middle;
     }
     return low;
+  }
+  double greatest_speed() const { return greatest_speed(acceleration); }
+  /// How far a ramp goes while it asks for more torque than there is.
+  double short_of_torque(double speed, double at) const {
+    const auto borne = std::min(greatest_speed(at), speed);
+    return (speed * speed - borne * borne) / (2 * at);
   }
   double greatest_acceleration(double speed) const {
     return (torque.there(speed) - torque.asked(speed, 0)) * 1e6 / torque.inertia;
@@ -130,18 +130,14 @@ class Tuned {
     before_ = options.settings;
     return module_.run(verbs::tune({ModuleAddress{1}, 0}, options));
   }
-  /// Also where nothing was found: then it stands where it was stopped.
-  void expect_in_order() {
+  void expect_left_as_it_was() {
     for (const auto& [parameter, value] : before_)
       EXPECT_EQ(module_.get(parameter), value) << int{parameter};
     EXPECT_EQ(module_.get(ap::actual_velocity), 0);
-    EXPECT_GE(least_place_, load_.travel.least);
-    EXPECT_LE(most_place_, load_.travel.greatest);
-  }
-  void expect_left_as_it_was() {
-    expect_in_order();
     EXPECT_EQ(module_.get(ap::actual_position), 0);
     EXPECT_NEAR(static_cast<double>(module_.lone.module.stage(0).position()), 0, full_step);
+    EXPECT_GE(least_place_, load_.travel.least);
+    EXPECT_LE(most_place_, load_.travel.greatest);
   }
 
  private:
@@ -171,54 +167,62 @@ double least_threshold(const Load& load, double speed, double current, double to
   return (0.1 * 1024 + load.stage.load_value_slope * share + too_low - 500) / 8;
 }
 
-TEST(TuningProperty, FindsNearlyWhatTheLoadBearsAndNoMore) {
+struct Tally {
   int all = 0;
   int far_velocities = 0;
   int far_accelerations = 0;
-  for (auto seed = test::seed(); seed < test::seed() + static_cast<std::uint64_t>(test::rounds(10));
-       ++seed) {
-    Loads random(seed);
-    const auto load = random.any();
-    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed) + ": " + load.text());
-    Tuned tuned(load, seed);
-    const auto found = tuned.tune();
-    ++all;
-    // That nothing was found is no danger, but a miss.
-    if (!found) {
-      EXPECT_EQ(found.error().code, Errc::move_interrupted) << found.error().message;
-      ++far_velocities;
-      tuned.expect_in_order();
-      continue;
-    }
-    const auto speed = load.truth.greatest_speed();
-    const auto velocity = found->velocity.limit / full_step;
-    EXPECT_LT(velocity, 1.05 * speed);
-    far_velocities += velocity < (1 - near) * speed || velocity > (1 + near) * speed ? 1 : 0;
-    const auto proposed = found->velocity.proposed / full_step;
-    const auto greatest = load.truth.greatest_acceleration(proposed);
-    const auto acceleration = found->acceleration.limit / full_step;
-    // What its chip does not do is not tried.
-    const bool is_of_motor = found->acceleration.limited_by == LimitedBy::motor;
-    const bool is_far = (acceleration < (1 - near) * greatest && is_of_motor) ||
-                        acceleration > (1 + near) * greatest;
-    far_accelerations += is_far ? 1 : 0;
-    const auto at = found->acceleration.proposed / full_step;
-    EXPECT_TRUE(load.truth.bears_ramp(proposed, at)) << proposed << ' ' << at;
-    const auto least = std::max(least_current(load.truth, proposed, at), greatest_current / 4.0);
-    EXPECT_GE(found->current.proposed, least - 8);
-    EXPECT_LE(found->current.limit, 1.1 * least + 16);
-    if (found->threshold) {
-      const auto current = found->current.proposed;
-      const double noise = load.stage.load_value_noise;
-      EXPECT_GE(*found->threshold, least_threshold(load, proposed, current, -noise) - 1);
-      EXPECT_LE(*found->threshold, least_threshold(load, proposed, current, noise) + 4);
-    }
-    EXPECT_NEAR(found->backlash, static_cast<double>(load.stage.backlash), full_step / 2);
-    tuned.expect_left_as_it_was();
+};
+
+void tune_load_of(std::uint64_t seed, Tally& tally) {
+  Loads random(seed);
+  const auto load = random.any();
+  SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed) + ": " + load.text());
+  Tuned tuned(load, seed);
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ++tally.all;
+  const auto speed = load.truth.greatest_speed();
+  const auto velocity = found->velocity.limit / full_step;
+  EXPECT_LT(velocity, 1.05 * speed);
+  tally.far_velocities += velocity < (1 - near) * speed || velocity > (1 + near) * speed ? 1 : 0;
+  const auto proposed = found->velocity.proposed / full_step;
+  const auto greatest = load.truth.greatest_acceleration(proposed);
+  const auto acceleration = found->acceleration.limit / full_step;
+  // What its chip does not do is not tried.
+  const bool is_of_motor = found->acceleration.limited_by == LimitedBy::motor;
+  const bool is_far =
+      (acceleration < (1 - near) * greatest && is_of_motor) || acceleration > (1 + near) * greatest;
+  tally.far_accelerations += is_far ? 1 : 0;
+  const auto at = found->acceleration.proposed / full_step;
+  EXPECT_LT(load.truth.short_of_torque(proposed, at), full_steps_unseen) << proposed << ' ' << at;
+  const auto least = std::max(least_current(load.truth, proposed, at), greatest_current / 4.0);
+  EXPECT_GE(found->current.proposed, least - 8);
+  EXPECT_LE(found->current.limit, 1.1 * least + 16);
+  if (found->threshold) {
+    const auto current = found->current.proposed;
+    const double noise = load.stage.load_value_noise;
+    EXPECT_GE(*found->threshold, least_threshold(load, proposed, current, -noise) - 1);
+    EXPECT_LE(*found->threshold, least_threshold(load, proposed, current, noise) + 4);
   }
-  // One in 20, and two more by chance where few are tried.
-  EXPECT_LE(far_velocities, all / 20 + 2);
-  EXPECT_LE(far_accelerations, all / 20 + 2);
+  EXPECT_NEAR(found->backlash, static_cast<double>(load.stage.backlash), full_step / 2);
+  tuned.expect_left_as_it_was();
+}
+
+TEST(TuningProperty, FindsNearlyWhatTheLoadBearsAndNoMore) {
+  Tally tally;
+  const auto first = test::seed();
+  const auto rounds = static_cast<std::uint64_t>(test::rounds(10));
+  for (auto seed = first; seed < first + rounds && !testing::Test::HasFatalFailure(); ++seed)
+    tune_load_of(seed, tally);
+  // One in 20, and one more by chance where few are tried.
+  EXPECT_LE(tally.far_velocities, tally.all / 20 + 1);
+  EXPECT_LE(tally.far_accelerations, tally.all / 20 + 1);
+}
+
+// On its way up it lost a part of a step, which it got back on its way down.
+TEST(TuningProperty, TakesAPartOfALostStepForNoRatioOfTheEncoder) {
+  Tally tally;
+  tune_load_of(5057, tally);
 }
 
 }  // namespace

@@ -199,7 +199,9 @@ Script<Result<Passage>> EncodedAxis::pass_to(std::int32_t target, Lookout lookou
   passage.deviation = std::max(passage.deviation, off);
   passage.drifted = off > drift_part * tolerance_at_rest();
   if (off > tolerance_at_rest() + uncertainty(target)) passage.trouble = stray_text(off);
-  if (passage.held() && target - first > backlash_ + full_step_) measure_again(counted, target);
+  // A rotor may stand a part of a step behind: what its ratio cannot explain is no measure of that.
+  const bool is_of_ratio = off <= uncertainty(target);
+  if (is_of_ratio && target - first > backlash_ + full_step_) measure_again(counted, target);
   co_return passage;
 }
 

@@ -37,7 +37,6 @@ class Tuner {
   Script<Result<void>> find_current();
   Script<Result<void>> find_threshold();
   Script<Result<void>> confirm();
-  void retreat();
   Script<Result<void>> search(Sought sought, plan::LimitSearch& search);
   Script<Result<bool>> trial(Sought sought, const plan::PlannedRamp& ramp, std::int32_t current,
                              std::int32_t way);

@@ -40,7 +40,7 @@ constexpr std::int32_t old_load_values = 7;  ///< The greatest of drivers before
 constexpr int confirmations = 2;
 /// How much less is proposed if what was found does not hold in the end, and how often.
 constexpr double less = 0.9;
-constexpr int most_retreats = 4;
+constexpr int most_retreats = 3;
 
 std::string_view unit_of(Sought sought) {
   return sought == Sought::velocity ? "microsteps/s" : "microsteps/s^2";
@@ -203,25 +203,11 @@ Script<Result<void>> Tuner::confirm() {
     if (held) co_return Result<void>{};
     if (retreats >= most_retreats)
       co_return nothing_held(Sought::confirmation, found_.velocity.proposed);
-    retreat();
-  }
-}
-
-/// The current is given back first: it was sought on a short way, and is what costs least.
-void Tuner::retreat() {
-  const double most = options_.max_current;
-  if (found_.current.proposed < most) {
-    found_.current.proposed = most;
-    // The load value is another one with that.
-    found_.threshold.reset();
+    found_.velocity.proposed *= less;
+    found_.acceleration.proposed *= less;
     found_.warnings.emplace_back(
-        "the least current did not hold on all of the travel: the greatest is proposed");
-    return;
+        "what was found did not hold on all of the travel: less is proposed");
   }
-  found_.velocity.proposed *= less;
-  found_.acceleration.proposed *= less;
-  found_.warnings.emplace_back(
-      "what was found did not hold on all of the travel: less is proposed");
 }
 
 void Tuner::propose() {
