@@ -26,18 +26,6 @@ using Outcome = tl::expected<void, std::string>;
 constexpr std::int32_t most_load = 1'000'000;
 constexpr auto switch_names = std::to_array<std::string_view>({"left", "right", "home"});
 
-Words split(std::string_view line) {
-  constexpr auto blank = " \t\r";
-  Words words;
-  for (auto begin = line.find_first_not_of(blank); begin != std::string_view::npos;
-       begin = line.find_first_not_of(blank, begin)) {
-    const auto end = std::min(line.find_first_of(blank, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = end;
-  }
-  return words;
-}
-
 std::optional<std::int32_t> number_in(std::string_view text) {
   return tmclsim::parse_number<std::int32_t>(text);
 }
@@ -274,7 +262,7 @@ Outcome run(sim::Bench& bench, const Words& words) {
 }  // namespace
 
 std::string run_console_line(sim::Bench& bench, std::string_view line) {
-  const auto words = split(line);
+  const auto words = tmcl::words_in(line);
   if (words.empty()) return "";
   const auto outcome = run(bench, words);
   return outcome ? "ok" : "error: " + outcome.error();

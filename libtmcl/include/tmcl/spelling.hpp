@@ -1,4 +1,4 @@
-/// How a message names a word, and "Did you mean ...?"
+/// Words that people type: those of a line, how a message names one, and "Did you mean ...?"
 #pragma once
 
 #include <span>
@@ -7,6 +7,9 @@
 #include <vector>
 
 namespace tmcl {
+
+/// Without the blanks between them.
+std::vector<std::string_view> words_in(std::string_view line);
 
 /// 'x'. An object, because of a std::string the standard library would quote it by a function of
 /// the same name, which is found by the type alone.

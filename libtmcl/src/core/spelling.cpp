@@ -86,6 +86,18 @@ std::optional<std::size_t> edits_between(std::string_view word, std::string_view
 
 }  // namespace
 
+std::vector<std::string_view> words_in(std::string_view line) {
+  constexpr auto blank = " \t\r\n";
+  std::vector<std::string_view> words;
+  for (auto begin = line.find_first_not_of(blank); begin != std::string_view::npos;
+       begin = line.find_first_not_of(blank, begin)) {
+    const auto end = std::min(line.find_first_of(blank, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = end;
+  }
+  return words;
+}
+
 std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates) {
   if (word.size() > longest_word) return {};
   std::string_view best;

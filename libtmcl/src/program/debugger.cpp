@@ -32,18 +32,6 @@ DebugOrder wrong(const std::string& sentence) {
 }
 DebugOrder order(Kind kind, std::uint32_t steps = 0) { return {kind, steps, {}, false}; }
 
-std::vector<std::string_view> words_in(std::string_view line) {
-  constexpr auto blank = " \t\r\n";
-  std::vector<std::string_view> words;
-  for (auto begin = line.find_first_not_of(blank); begin != std::string_view::npos;
-       begin = line.find_first_not_of(blank, begin)) {
-    const auto end = std::min(line.find_first_of(blank, begin), line.size());
-    words.push_back(line.substr(begin, end - begin));
-    begin = end;
-  }
-  return words;
-}
-
 std::optional<std::uint32_t> count_in(std::string_view word) {
   const auto count = text::parse_integer<std::uint32_t>(word);
   return count && *count >= 1 && *count <= most_steps_at_once ? count : std::nullopt;

@@ -255,14 +255,7 @@ Script<Result<Tuning>> Tuner::run() {
         bad_argument(fmt::format("a {} has no encoder that would tell lost steps", model().name),
                      "find its limits by hand: 'tmclctl ramp --fastest' takes the figures"));
   auto done = co_await course();
-  if (!done) co_await watched_.stop();
-  auto back = co_await watched_.put_back();
-  if (!done) {
-    if (!back) done.error().message += "; and not all of its settings could be given back";
-    if (!back) done.error().outcome = Outcome::unknown;
-    co_return tl::unexpected(std::move(done.error()));
-  }
-  if (!back) co_return tl::unexpected(std::move(back.error()));
+  co_await must(watched_.end(std::move(done)));
   co_return std::move(found_);
 }
 

@@ -483,14 +483,7 @@ Script<Result<void>> Verifier::course() {
 Script<Result<Verification>> Verifier::run() {
   found_.model = options_.model;
   auto done = co_await course();
-  if (!done) co_await watched_.stop();
-  auto back = co_await watched_.put_back();
-  if (!done) {
-    if (!back) done.error().message += "; and not all of its settings could be given back";
-    if (!back) done.error().outcome = Outcome::unknown;
-    co_return tl::unexpected(std::move(done.error()));
-  }
-  if (!back) co_return tl::unexpected(std::move(back.error()));
+  co_await must(watched_.end(std::move(done)));
   const auto quickest = watched_.quickest_exchange();
   // What comes sooner than its bytes can was on no wire.
   found_.answer = quickest > options_.wire_time ? quickest - options_.wire_time : quickest;

@@ -125,6 +125,17 @@ Script<Result<void>> WatchedAxis::stop() {
   co_return done;
 }
 
+Script<Result<void>> WatchedAxis::end(Result<void> done) {
+  if (!done) co_await stop();
+  auto back = co_await put_back();
+  if (done) co_return back;
+  if (!back) {
+    done.error().message += "; and not all of its settings could be given back";
+    done.error().outcome = Outcome::unknown;
+  }
+  co_return done;
+}
+
 Error WatchedAxis::interrupted(std::int32_t target, std::int32_t here) const {
   Error error;
   error.code = Errc::move_interrupted;

@@ -39,8 +39,9 @@ class WatchedAxis {
   Script<Result<void>> return_home();
   /// Stops it.
   Script<Result<void>> stop();
-  /// Sets what it had before. Errors: of the last setting that could not be given back.
-  Script<Result<void>> put_back();
+  /// What was done with it has come to this: it is stopped if it failed, and has again what it had
+  /// before. Errors: of `done`; of the last setting that could not be given back.
+  Script<Result<void>> end(Result<void> done);
 
   /// It is there when it should be on its target.
   Error interrupted(std::int32_t target, std::int32_t here) const;
@@ -49,6 +50,7 @@ class WatchedAxis {
   Duration quickest_exchange() const;
 
  private:
+  Script<Result<void>> put_back();
   Script<Result<void>> stand(std::int32_t target, TimePoint limit);
   Script<Result<void>> set_all(std::vector<plan::Setting> settings);
 
