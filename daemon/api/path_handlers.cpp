@@ -401,7 +401,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   if (run->report().fault) co_return error_of(*run, api::to_json(passage));
   if (const auto by = passage.tolerance_exceeded_by)
     warnings.push_back(tolerance_warning(planned.request.tolerance, *by, passage.off_path_at_s));
-  co_return path::Passed{std::move(passage), std::move(*expected), std::move(warnings)};
+  co_return path::Passed{std::move(passage), std::move(warnings), std::move(*expected)};
 }
 
 }  // namespace tmcld::handlers

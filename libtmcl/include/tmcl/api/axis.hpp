@@ -330,8 +330,6 @@ struct State {
              "deadman, supply, client, lease_lost, search_limit, daemon, velocity_mode (something "
              "else than tmcld has "
              "stopped it) or unknown; null while it moves or where that is not known");
-  TMCL_FIELD(std::uint64_t, last_stop,
-             "grows whenever a client, or tmcld itself, has it stopped: also where it stands");
   TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
   TMCL_FIELD(std::optional<std::int32_t>, lease, "number of its lease; null if it has none");
   TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");
@@ -342,6 +340,8 @@ struct State {
       "what a line, a path or a Mint program has changed, as it was before: set back as soon "
       "as its module takes it");
   TMCL_FIELD(std::vector<std::string>, faults, faults_summary);
+  TMCL_FIELD(std::uint64_t, last_stop,
+             "grows whenever a client, or tmcld itself, has it stopped: also where it stands");
 };
 struct GetState {
   TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);

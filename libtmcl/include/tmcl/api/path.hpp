@@ -111,12 +111,12 @@ struct Expected {
 };
 struct Passed : Passage {
   TMCL_STRUCT(Passed, Passage);
+  TMCL_FIELD(std::vector<std::string>, warnings,
+             "warnings about the settings of its axes, and what of the file is not carried out");
   TMCL_FIELD(
       std::vector<Expected>, expected,
       "what was expected before it began, as path.plan says; empty of a path that was planned "
       "before");
-  TMCL_FIELD(std::vector<std::string>, warnings,
-             "warnings about the settings of its axes, and what of the file is not carried out");
 };
 /// What is to be passed, and how.
 struct OfPath {
@@ -150,17 +150,17 @@ struct OfPath {
   TMCL_FIELD(std::optional<std::int32_t>, period_ms,
              "in velocity mode, and by segments, no updates more often than this; 5 if absent",
              {5, 1000});
+  TMCL_FIELD(std::optional<bool>, lenient,
+             "whether words of G-code that are not known are skipped, with warnings; refused if "
+             "absent");
+  TMCL_FIELD(std::optional<std::string>, name,
+             "by what path.status tells it from others, such as the name of its file");
   TMCL_FIELD(
       std::optional<std::string>, shaper,
       "zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing "
       "after it; takes up to a swing longer, and cuts corners; not in position mode");
   TMCL_FIELD(std::optional<double>, resonance_hz, "for shaper: as axis.resonance measures it");
   TMCL_FIELD(std::optional<double>, damping, "of those swings, 0 to less than 1; 0.05 if absent");
-  TMCL_FIELD(std::optional<bool>, lenient,
-             "whether words of G-code that are not known are skipped, with warnings; refused if "
-             "absent");
-  TMCL_FIELD(std::optional<std::string>, name,
-             "by what path.status tells it from others, such as the name of its file");
 };
 struct CourseAxis {
   TMCL_STRUCT(CourseAxis);
@@ -212,13 +212,13 @@ struct Planned {
   TMCL_FIELD(std::int32_t, plan, "by which path.run runs it, once; the daemon keeps the last one");
   TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
   TMCL_FIELD(Course, course, "where it leads, and how fast");
-  TMCL_FIELD(std::optional<Shaping>, shaping, "what the shaper makes of it; null without one");
   TMCL_FIELD(std::optional<Curve>, curve, "to draw it; null unless points are asked for");
   TMCL_FIELD(std::vector<Expected>, expected,
              "what is expected in each mode, the one that was asked for first; empty where the "
              "ramps of an axis are not described");
   TMCL_FIELD(std::vector<std::string>, warnings,
              "warnings about the settings of its axes, and what of the file is not carried out");
+  TMCL_FIELD(std::optional<Shaping>, shaping, "what the shaper makes of it; null without one");
 };
 /// So many points at most: an answer has to be sent.
 constexpr int most_curve_points = 2000;

@@ -76,10 +76,10 @@ struct Sample : parameter::Value {
 /// A state as subscribers are told it.
 struct PublishedState : axis::State {
   TMCL_STRUCT(PublishedState, axis::State);
-  TMCL_FIELD(std::vector<Sample>, samples,
-             "the parameters that the subscription names, as they were read last");
   TMCL_FIELD(std::uint64_t, seq, "counts the states of the axis");
   TMCL_FIELD(std::int64_t, event_time_ms, "when it was read, on the daemon's monotonic clock");
+  TMCL_FIELD(std::vector<Sample>, samples,
+             "the parameters that the subscription names, as they were read last");
 };
 struct Subscription {
   TMCL_STRUCT(Subscription);
