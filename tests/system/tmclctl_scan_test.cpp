@@ -86,6 +86,17 @@ TEST_F(TmclctlScan, QuotesAText) {
   EXPECT_THAT(said, HasSubstr("as of a console: \"gateway login: \""));
 }
 
+TEST_F(TmclctlScan, IsNotNeededForDoctorToQuoteIt) {
+  const std::string prompt = "\r\ngateway login: ";
+  const FarEnd far_end([&](const Bytes& came) {
+    return came.empty() ? Bytes() : Bytes(prompt.begin(), prompt.end());
+  });
+  const auto ran = ctl(far_end.direct(), {"doctor", "1"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_THAT(ran.out, HasSubstr("does not answer: text came, as of a console: \"gateway login: "));
+  EXPECT_THAT(ran.out, HasSubstr("a console that the kernel or getty writes to"));
+}
+
 TEST_F(TmclctlScan, SaysThatChecksumsAreWrong) {
   const auto said = said_of([](const Bytes& came) {
     Bytes out;

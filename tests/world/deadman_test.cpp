@@ -146,6 +146,24 @@ TEST_F(Deadmen, KeepAMovingMotorGoingAsLongAsTheDaemonIsThere) {
   EXPECT_NEAR(mm(0), 700, 0.001);
 }
 
+// A stream sends nothing itself while its axes stand on the path.
+TEST_F(Deadmen, AreFedWhileAPathIsHeld) {
+  for (const auto* mode : {"velocity", "segments", "position"}) {
+    SCOPED_TRACE(mode);
+    const auto path = begin("path.run", {{"axes", json::array{"x", "y"}},
+                                         {"text", "G1 X20 Y10 F1200\nG1 X0 Y0\n"},
+                                         {"mode", mode}});
+    ASSERT_TRUE(time.run_while_not([&] { return mm(0) > 5; }, 1min));
+    ASSERT_TRUE(call("path.feed", {{"hold", true}}));
+    time.run_for(10s);
+    EXPECT_FALSE(moves());
+    ASSERT_TRUE(call("path.feed", {{"hold", false}}));
+    const auto ended = end(path);
+    ASSERT_TRUE(ended) << ended.error().message;
+    EXPECT_NEAR(mm(0), 0, 0.001);
+  }
+}
+
 TEST_F(Deadmen, GetACommandInEveryThirdOfTheirTimeAndNoMore) {
   requests.clear();
   time.run_for(10s);
