@@ -4,16 +4,16 @@
 
 namespace tmcld {
 
-namespace plan = tmcl::plan;
-
-Task<std::optional<plan::Resonance>> resonance_of(std::optional<double> frequency_hz,
-                                                  std::optional<double> damping) {
+Task<std::optional<tmcl::ramp::Resonance>> resonance_of(std::optional<double> frequency_hz,
+                                                        std::optional<double> damping) {
   if (!frequency_hz) co_return std::nullopt;
-  plan::Resonance resonance;
-  resonance.frequency_hz = co_await must(number_within(
-      "resonance_hz", *frequency_hz, plan::least_resonance_hz, plan::greatest_resonance_hz));
-  resonance.damping = co_await must(number_within(
-      "damping", damping.value_or(plan::usual_load_damping), 0, plan::greatest_load_damping));
+  tmcl::ramp::Resonance resonance;
+  resonance.frequency_hz =
+      co_await must(number_within("resonance_hz", *frequency_hz, tmcl::ramp::least_resonance_hz,
+                                  tmcl::ramp::greatest_resonance_hz));
+  resonance.damping =
+      co_await must(number_within("damping", damping.value_or(tmcl::ramp::usual_load_damping), 0,
+                                  tmcl::ramp::greatest_load_damping));
   co_return resonance;
 }
 

@@ -4,12 +4,12 @@
 #include <optional>
 
 #include "api/task.hpp"
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmcld {
 
 /// Nothing without a frequency. Errors: out_of_range, with the parameter.
-Task<std::optional<tmcl::plan::Resonance>> resonance_of(std::optional<double> frequency_hz,
+Task<std::optional<tmcl::ramp::Resonance>> resonance_of(std::optional<double> frequency_hz,
                                                         std::optional<double> damping);
 
 }  // namespace tmcld

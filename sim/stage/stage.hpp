@@ -52,7 +52,7 @@ struct StageSettings {
   std::int32_t load_value_noise = 0;  ///< It is read so much too high or too low at most.
   DriverFaults faults{};              ///< Of the driver, and of the cable to the motor.
   /// Of the load; the encoder is on that. Without one it is rigidly joined to the motor.
-  std::optional<Resonance> resonance{};
+  std::optional<ramp::Resonance> resonance{};
   /// So far the motor turns before the load, with the encoder, follows it the other way.
   Place backlash = 0;
 };

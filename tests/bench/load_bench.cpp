@@ -22,7 +22,7 @@ using namespace tmcl;
 constexpr std::uint16_t model = 1276;
 constexpr std::uint8_t encoder_position = number_of(Family::sixpoint, "encoder_position");
 
-void move(benchmark::State& state, std::optional<sim::Resonance> resonance) {
+void move(benchmark::State& state, std::optional<ramp::Resonance> resonance) {
   sim::StageSettings stage;
   stage.encoder = sim::EncoderSettings{4000, false};
   stage.resonance = resonance;
@@ -68,7 +68,7 @@ void ring_down(benchmark::State& state) {
 const int loads_added = [] {
   benchmark::RegisterBenchmark("sim/move/rigid", [](benchmark::State& state) { move(state, {}); });
   benchmark::RegisterBenchmark("sim/move/resonant", [](benchmark::State& state) {
-    move(state, sim::Resonance{12, 0.05});
+    move(state, ramp::Resonance{12, 0.05});
   });
   benchmark::RegisterBenchmark("ramp/compare", compare)->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark("ring_down/800", ring_down)->Unit(benchmark::kMillisecond);

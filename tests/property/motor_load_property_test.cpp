@@ -62,7 +62,7 @@ class Script : public test::Random<std::int32_t> {
     if (one_in(2)) stage.load_value_slope = any_size(4000);
     if (one_in(4)) stage.load_value_noise = any_size(100);
     if (one_in(4)) stage.backlash = any_size(2000);
-    if (one_in(4)) stage.resonance = Resonance{static_cast<double>(positive(60)), 0.05};
+    if (one_in(4)) stage.resonance = ramp::Resonance{static_cast<double>(positive(60)), 0.05};
     return stage;
   }
 

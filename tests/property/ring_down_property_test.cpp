@@ -54,7 +54,7 @@ class Scene : public tmcl::test::Random<std::int64_t> {
   std::size_t count;
   double interval_s;
   double jitter;
-  Resonance resonance;
+  ramp::Resonance resonance;
   double swing;
   double noise;
   double phase;

@@ -36,9 +36,9 @@ Course course_of(const path_file::Path& path, const std::optional<Shaping>& shap
 }
 
 /// Of a load behind the first axis, when the course is over.
-double swing_after(const Course& course, Resonance resonance) {
+double swing_after(const Course& course, ramp::Resonance resonance) {
   constexpr double step = 1e-4;
-  ResonantLoad load(resonance);
+  ramp::ResonantLoad load(resonance);
   double speed = 0;
   for (double time = 0; time < course.duration() + step; time += step) {
     const double next = course.at(time + step).velocity[0];
@@ -70,7 +70,7 @@ TEST(Shaping, HasPartsThatMakeOneAndANameThatIsReadBack) {
 }
 
 /// What a shaper leaves, as part of what is left without it.
-double left(Shaper shaper, Resonance expected, Resonance real) {
+double left(Shaper shaper, ramp::Resonance expected, ramp::Resonance real) {
   // Of a length at which the plain one leaves much.
   const auto path = one_line(2.6);
   return swing_after(course_of(path, Shaping{shaper, expected}), real) /
@@ -79,7 +79,7 @@ double left(Shaper shaper, Resonance expected, Resonance real) {
 
 TEST(Shaping, LeavesNoSwingAtTheResonance) {
   for (const double damping : {0.0, 0.05, 0.2}) {
-    const Resonance load{12, damping};
+    const ramp::Resonance load{12, damping};
     EXPECT_LT(left(Shaper::zv, load, load), 0.001) << damping;
     EXPECT_LT(left(Shaper::zvd, load, load), 0.001) << damping;
     EXPECT_LT(left(Shaper::ei, load, load), 0.055) << damping;
@@ -87,9 +87,9 @@ TEST(Shaping, LeavesNoSwingAtTheResonance) {
 }
 
 TEST(Shaping, LeavesLittleNearTheResonance) {
-  const Resonance expected{12, 0};
+  const ramp::Resonance expected{12, 0};
   for (const double off : {0.9, 1.1}) {
-    const Resonance real{12 * off, 0};
+    const ramp::Resonance real{12 * off, 0};
     EXPECT_LT(left(Shaper::zv, expected, real), 0.2);
     EXPECT_LT(left(Shaper::zvd, expected, real), 0.03);
     EXPECT_LT(left(Shaper::ei, expected, real), 0.055);

@@ -10,8 +10,8 @@ namespace tmcld::test {
 namespace {
 
 using testing::HasSubstr;
+using tmcl::ramp::Resonance;
 using tmcl::sim::EncoderSettings;
-using tmcl::sim::Resonance;
 using tmcl::sim::StageSettings;
 using Measured = api::axis::MeasuredResonance;
 

@@ -1,5 +1,5 @@
 // A load that swings behind a motor: against the equation itself, and what is known of it.
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "support/random.hpp"
 #include "support/seed.hpp"
 
-namespace tmcl::plan {
+namespace tmcl::ramp {
 namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
@@ -97,4 +97,4 @@ TEST(ResonantLoad, IsSettledWhenItSaysSo) {
 }
 
 }  // namespace
-}  // namespace tmcl::plan
+}  // namespace tmcl::ramp

@@ -14,7 +14,7 @@ namespace ap = axis_parameter;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-constexpr Resonance of_the_load{8, 0.05};
+constexpr ramp::Resonance of_the_load{8, 0.05};
 
 /// On each kind of ramp generator: a model, the parameter of its encoder, and its ramp.
 struct Generator {

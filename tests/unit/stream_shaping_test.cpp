@@ -7,7 +7,7 @@
 namespace tmcl::plan {
 namespace {
 
-constexpr Resonance load_of_x{12, 0.02};
+constexpr ramp::Resonance load_of_x{12, 0.02};
 
 /// A way of X after which a load of 12 Hz swings much.
 path_file::Path there_and_back() {
@@ -24,7 +24,7 @@ double swing_after(const std::optional<Shaping>& shaping, StreamMode mode) {
   test::StreamBench bench;
   bench.limit(20, 400);
   bench.shaping = shaping;
-  ResonantLoad load(load_of_x);
+  ramp::ResonantLoad load(load_of_x);
   double position = 0, speed = 0;
   bench.every_ms = [&] {
     const double now = (bench.mm(0) - position) / look_s;

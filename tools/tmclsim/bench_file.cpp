@@ -141,6 +141,7 @@ void take_resonance(const toml::table& table, StageSettings& stage) {
   if (frequency == nullptr) return;
   if (!stage.encoder) complain(*frequency, "'resonance' is seen by an encoder, and there is none");
   stage.resonance.emplace();
+  stage.resonance->damping = tmcl::ramp::usual_load_damping;
   stage.resonance->frequency_hz =
       fraction(*frequency, "resonance", least_resonance_hz, greatest_resonance_hz);
   if (damping != nullptr)

@@ -9,8 +9,8 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "tmcl/plan/resonant_load.hpp"
 #include "tmcl/quantity.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmclctl {
 namespace {
@@ -110,8 +110,8 @@ Reading read_time(const std::string& text, double least_s, double greatest_s, do
 Read resonance(std::optional<double>& hertz) {
   return [&hertz](std::string text) {
     if (text.ends_with("Hz")) text.resize(text.size() - 2);
-    return parse_number<double>(text, tmcl::plan::least_resonance_hz,
-                                tmcl::plan::greatest_resonance_hz)
+    return parse_number<double>(text, tmcl::ramp::least_resonance_hz,
+                                tmcl::ramp::greatest_resonance_hz)
         .map([&](double value) { hertz = value; });
   };
 }

@@ -35,7 +35,7 @@ LoadRun follow_load(const plot::Recording& recording, const LoadWish& wish) {
   const auto motor = plot::position_curve(recording);
   const auto velocities = plot::velocity_curve(recording).values;
   const auto way = way_of(motor.times, motor.values, velocities);
-  tmcl::plan::ResonantLoad load(wish.resonance);
+  tmcl::ramp::ResonantLoad load(wish.resonance);
   LoadRun run;
   const auto add = [&](double time, double position, double velocity) {
     run.times.push_back(time);

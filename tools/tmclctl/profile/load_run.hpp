@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "plot/recording.hpp"
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmclctl::profile {
 
 struct LoadWish {
-  tmcl::plan::Resonance resonance;
+  tmcl::ramp::Resonance resonance;
   std::optional<double>
       tolerance{};  ///< In the unit that is drawn; a thousandth of the way without.
 };

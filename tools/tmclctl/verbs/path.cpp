@@ -33,7 +33,7 @@ plan::path_file::Unknowns unknowns_of(const verb::CheckPath& verb) {
 std::optional<plan::Shaping> shaping_of(const verb::ShapedPath& said) {
   if (!said.shaper) return std::nullopt;
   return plan::Shaping{*said.shaper,
-                       {*said.resonance_hz, said.damping.value_or(plan::usual_load_damping)}};
+                       {*said.resonance_hz, said.damping.value_or(tmcl::ramp::usual_load_damping)}};
 }
 
 std::string corners_warning(const verb::CheckPath& verb) {

@@ -31,7 +31,7 @@ void add_shaping(VerbForm<T>& form) {
   form.option("--resonance", "HZ", "With --shape: how fast they swing",
               resonance(said.resonance_hz));
   form.option("--damping", "D", "Of those swings: 0 to less than 1 (default 0.05)",
-              number(said.damping, 0, tmcl::plan::greatest_load_damping));
+              number(said.damping, 0, tmcl::ramp::greatest_load_damping));
 }
 /// Empty if its words go together.
 inline const char* objection_to(const verb::ShapedPath& said) {

@@ -176,7 +176,7 @@ Result<Comparison> compared(const verb::Ramp& verb, const plan::PlannedRamp& pla
   if (!distance) return tl::unexpected(distance.error());
   std::optional<plan::LoadWish> load;
   if (verb.resonance_hz) {
-    load = {{*verb.resonance_hz, verb.damping.value_or(plan::usual_load_damping)},
+    load = {{*verb.resonance_hz, verb.damping.value_or(tmcl::ramp::usual_load_damping)},
             plan::usual_load_tolerance * std::abs(static_cast<double>(distance->value))};
   }
   if (load && !verb.tolerance.empty()) {

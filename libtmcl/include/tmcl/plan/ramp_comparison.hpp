@@ -10,7 +10,7 @@
 
 #include "tmcl/model.hpp"
 #include "tmcl/plan/axis_twin.hpp"
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmcl::plan {
 
@@ -44,7 +44,7 @@ std::vector<std::vector<Setting>> ramp_variants(const Model& model,
                                                 std::span<const Setting> settings);
 
 struct LoadWish {
-  Resonance resonance;
+  ramp::Resonance resonance;
   double tolerance = 0;  ///< Within which the load is to stand, in microsteps.
 };
 /// What part of a move its load may swing by, unless something else is said.

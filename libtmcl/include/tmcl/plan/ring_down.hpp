@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <span>
 
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmcl::plan {
 
@@ -32,7 +32,7 @@ struct RingDown {
     too_few,  ///< There are fewer than least_ring_down_positions.
   };
   Verdict verdict = Verdict::too_few;
-  Resonance resonance;
+  ramp::Resonance resonance;
   double swing = 0;       ///< How far to either side at the first time.
   double confidence = 0;  ///< The part of what they did until it had died down, 0 to 1.
   double lowest_hz = 0;   ///< Between these a swing is seen.
@@ -42,6 +42,6 @@ struct RingDown {
 /// The times ascend.
 RingDown ring_down(std::span<const PositionAt> positions);
 /// Other positions of the same time swing so, too, as far as they are enough to tell.
-bool explains(const Resonance& resonance, std::span<const PositionAt> positions);
+bool explains(const ramp::Resonance& resonance, std::span<const PositionAt> positions);
 
 }  // namespace tmcl::plan

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmcl::plan {
 
@@ -24,7 +24,7 @@ std::optional<Shaper> shaper_named(std::string_view name);
 
 struct Shaping {
   Shaper shaper = Shaper::zvd;
-  Resonance resonance;
+  ramp::Resonance resonance;
 };
 
 struct Impulse {

@@ -14,6 +14,6 @@ struct ShapingReport {
 };
 
 /// `course` was made with a shaping; `resonance`: of the load behind each of its axes.
-ShapingReport report_on_shaping(const Course& course, const Resonance& resonance);
+ShapingReport report_on_shaping(const Course& course, const ramp::Resonance& resonance);
 
 }  // namespace tmcl::plan

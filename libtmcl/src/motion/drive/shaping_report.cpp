@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "motion/drive/place_on_path.hpp"
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -18,8 +18,9 @@ constexpr double on_the_path = 1e-9;
 constexpr double most_places = 20'000;
 
 template <class StateAt>
-AxisValues swings_after(const Course& course, const Resonance& resonance, const StateAt& state_at) {
-  std::vector<ResonantLoad> loads(course.axes(), ResonantLoad(resonance));
+AxisValues swings_after(const Course& course, const ramp::Resonance& resonance,
+                        const StateAt& state_at) {
+  std::vector<ramp::ResonantLoad> loads(course.axes(), ramp::ResonantLoad(resonance));
   const double step = 1 / (chords_of_a_swing * resonance.frequency_hz);
   const double end = course.duration();
   double time = std::max(end - most_chords * step, 0.0);
@@ -38,7 +39,7 @@ AxisValues swings_after(const Course& course, const Resonance& resonance, const 
 
 }  // namespace
 
-ShapingReport report_on_shaping(const Course& course, const Resonance& resonance) {
+ShapingReport report_on_shaping(const Course& course, const ramp::Resonance& resonance) {
   ShapingReport report;
   report.longer_s = longest_delay(course.impulses());
   report.swing = swings_after(course, resonance, [&](double time) { return course.at(time); });

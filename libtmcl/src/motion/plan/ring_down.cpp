@@ -48,7 +48,7 @@ bool solve(Matrix& rows) {
 
 /// How well a swing explains the positions, and how great it is then.
 struct Fit {
-  Resonance resonance;
+  ramp::Resonance resonance;
   double left = std::numeric_limits<double>::infinity();  ///< Squares that it does not explain.
   double swing = 0;
 };
@@ -71,7 +71,7 @@ class Readings {
   double span_s() const { return at_.back().time_s; }
   double squares() const { return squares_; }
 
-  Fit fit(Resonance resonance) const {
+  Fit fit(ramp::Resonance resonance) const {
     const double natural = 2 * std::numbers::pi * resonance.frequency_hz;
     const double decay = natural * resonance.damping;
     const double swinging = natural * std::sqrt(1 - resonance.damping * resonance.damping);
@@ -143,7 +143,7 @@ Fit refined(const Readings& readings, Fit best, double highest) {
   return best;
 }
 
-double decay_s(const Resonance& resonance) {
+double decay_s(const ramp::Resonance& resonance) {
   return 1 / (2 * std::numbers::pi * resonance.frequency_hz * resonance.damping);
 }
 
@@ -157,7 +157,7 @@ Fit best_fit(const Readings& readings, double lowest, double highest) {
 
 /// Until the swing has died down: what comes then is noise.
 std::span<const PositionAt> while_it_swings(std::span<const PositionAt> positions,
-                                            const Resonance& resonance) {
+                                            const ramp::Resonance& resonance) {
   const double end = positions.front().time_s + decays_looked_at * decay_s(resonance);
   const auto within =
       std::ranges::count_if(positions, [&](const PositionAt& one) { return one.time_s < end; });
@@ -177,7 +177,7 @@ bool stands(std::span<const PositionAt> positions) {
 
 }  // namespace
 
-bool explains(const Resonance& resonance, std::span<const PositionAt> positions) {
+bool explains(const ramp::Resonance& resonance, std::span<const PositionAt> positions) {
   if (positions.size() < least_ring_down_positions) return true;
   const Readings swings(while_it_swings(positions, resonance));
   return swings.fit(resonance).left <= (1 - least_confidence) * swings.squares();

@@ -245,7 +245,7 @@ std::vector<std::vector<Setting>> ramp_variants(const Model& model,
 RampVerdict judge(const FollowedMove& move, const std::optional<LoadWish>& load) {
   RampVerdict verdict{move.seconds, move.longest_phase_s, {}, {}};
   if (!load || !move.seconds) return verdict;
-  ResonantLoad swinging(load->resonance);
+  ramp::ResonantLoad swinging(load->resonance);
   for (const auto& [seconds, acceleration, jerk] : move.stretches)
     swinging.advance(seconds, acceleration, jerk);
   verdict.swing = swinging.swing();

@@ -1,11 +1,11 @@
-#include "tmcl/plan/resonant_load.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 
 #include <cmath>
 #include <numbers>
 
 #include "tmcl/ensure.hpp"
 
-namespace tmcl::plan {
+namespace tmcl::ramp {
 
 ResonantLoad::ResonantLoad(Resonance resonance)
     : natural_(2 * std::numbers::pi * resonance.frequency_hz) {
@@ -41,4 +41,4 @@ std::optional<double> ResonantLoad::time_to_settle(double tolerance) const {
   return std::log(now / tolerance) / decay_;
 }
 
-}  // namespace tmcl::plan
+}  // namespace tmcl::ramp

@@ -8,7 +8,7 @@
 
 #include <optional>
 
-namespace tmcl::plan {
+namespace tmcl::ramp {
 
 struct Resonance {
   double frequency_hz = 0;  ///< Without damping; greater than 0.
@@ -47,4 +47,4 @@ class ResonantLoad {
   double speed_ = 0;
 };
 
-}  // namespace tmcl::plan
+}  // namespace tmcl::ramp
