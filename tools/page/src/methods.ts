@@ -736,16 +736,16 @@ export interface Methods {
       deviation?: number;
       /** in velocity mode, and by segments, no updates more often than this; 5 if absent */
       period_ms?: number;
+      /** whether words of G-code that are not known are skipped, with warnings; refused if absent */
+      lenient?: boolean;
+      /** by what path.status tells it from others, such as the name of its file */
+      name?: string;
       /** zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing after it; takes up to a swing longer, and cuts corners; not in position mode */
       shaper?: string;
       /** for shaper: as axis.resonance measures it */
       resonance_hz?: number;
       /** of those swings, 0 to less than 1; 0.05 if absent */
       damping?: number;
-      /** whether words of G-code that are not known are skipped, with warnings; refused if absent */
-      lenient?: boolean;
-      /** by what path.status tells it from others, such as the name of its file */
-      name?: string;
       /** how many of the curve are given; none if absent */
       points?: number;
     };
@@ -785,30 +785,6 @@ export interface Methods {
           position: number[];
         }[];
       };
-      /** what the shaper makes of it; null without one */
-      shaping: {
-        /** zv, zvd or ei */
-        shaper: string;
-        /** which it is for */
-        resonance_hz: number;
-        /** of those swings */
-        damping: number;
-        /** than the path takes without it */
-        longer_s: number;
-        /** how far it leaves the path at most: it cuts corners */
-        off_path: number;
-        /** when that is, in seconds of the course */
-        off_path_at_s: number;
-        /** what it leaves of their swings */
-        axes: {
-          /** of the file */
-          axis: string;
-          /** of its load after the path, to either side */
-          swing: number;
-          /** the same without the shaper */
-          unshaped_swing: number;
-        }[];
-      } | null;
       /** to draw it; null unless points are asked for */
       curve: {
         /** of its points */
@@ -837,6 +813,30 @@ export interface Methods {
       }[];
       /** warnings about the settings of its axes, and what of the file is not carried out */
       warnings: string[];
+      /** what the shaper makes of it; null without one */
+      shaping: {
+        /** zv, zvd or ei */
+        shaper: string;
+        /** which it is for */
+        resonance_hz: number;
+        /** of those swings */
+        damping: number;
+        /** than the path takes without it */
+        longer_s: number;
+        /** how far it leaves the path at most: it cuts corners */
+        off_path: number;
+        /** when that is, in seconds of the course */
+        off_path_at_s: number;
+        /** what it leaves of their swings */
+        axes: {
+          /** of the file */
+          axis: string;
+          /** of its load after the path, to either side */
+          swing: number;
+          /** the same without the shaper */
+          unshaped_swing: number;
+        }[];
+      } | null;
     };
   };
   /** moves axes along a path and answers at its end; tells its progress by notify_progress */
@@ -870,16 +870,16 @@ export interface Methods {
       deviation?: number;
       /** in velocity mode, and by segments, no updates more often than this; 5 if absent */
       period_ms?: number;
+      /** whether words of G-code that are not known are skipped, with warnings; refused if absent */
+      lenient?: boolean;
+      /** by what path.status tells it from others, such as the name of its file */
+      name?: string;
       /** zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing after it; takes up to a swing longer, and cuts corners; not in position mode */
       shaper?: string;
       /** for shaper: as axis.resonance measures it */
       resonance_hz?: number;
       /** of those swings, 0 to less than 1; 0.05 if absent */
       damping?: number;
-      /** whether words of G-code that are not known are skipped, with warnings; refused if absent */
-      lenient?: boolean;
-      /** by what path.status tells it from others, such as the name of its file */
-      name?: string;
       /** what path.plan has planned, instead of all but to_start */
       plan?: number;
       /** whether the axes go to the start first; they must stand there if absent */
@@ -925,6 +925,8 @@ export interface Methods {
       tolerance_exceeded_by: number | null;
       /** what else is to be said, such as of a parameter not set back */
       remarks: string[];
+      /** warnings about the settings of its axes, and what of the file is not carried out */
+      warnings: string[];
       /** what was expected before it began, as path.plan says; empty of a path that was planned before */
       expected: {
         /** velocity, segments or position */
@@ -944,8 +946,6 @@ export interface Methods {
         /** why the path cannot be passed in this mode, or would be ended; null if it can */
         refused: string | null;
       }[];
-      /** warnings about the settings of its axes, and what of the file is not carried out */
-      warnings: string[];
     };
   };
   /** lets axes stand on their path */
@@ -1903,8 +1903,6 @@ export interface Methods {
       referenced: boolean;
       /** why it stands short of its target: stall, deviation, left_limit, right_limit, deadman, supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than tmcld has stopped it) or unknown; null while it moves or where that is not known */
       stop_cause: string | null;
-      /** grows whenever a client, or tmcld itself, has it stopped: also where it stands */
-      last_stop: number;
       /** how old the oldest of these values is */
       age_ms: number;
       /** number of its lease; null if it has none */
@@ -1924,6 +1922,8 @@ export interface Methods {
       }[];
       /** what is wrong with its driver or its supply, as axis.get_errors names it */
       faults: string[];
+      /** grows whenever a client, or tmcld itself, has it stopped: also where it stands */
+      last_stop: number;
     };
   };
   /** what its module says is wrong, in words */
@@ -2907,8 +2907,6 @@ export interface Methods {
         referenced: boolean;
         /** why it stands short of its target: stall, deviation, left_limit, right_limit, deadman, supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than tmcld has stopped it) or unknown; null while it moves or where that is not known */
         stop_cause: string | null;
-        /** grows whenever a client, or tmcld itself, has it stopped: also where it stands */
-        last_stop: number;
         /** how old the oldest of these values is */
         age_ms: number;
         /** number of its lease; null if it has none */
@@ -2928,6 +2926,12 @@ export interface Methods {
         }[];
         /** what is wrong with its driver or its supply, as axis.get_errors names it */
         faults: string[];
+        /** grows whenever a client, or tmcld itself, has it stopped: also where it stands */
+        last_stop: number;
+        /** counts the states of the axis */
+        seq: number;
+        /** when it was read, on the daemon's monotonic clock */
+        event_time_ms: number;
         /** the parameters that the subscription names, as they were read last */
         samples: {
           /** standard name; null if the number has none */
@@ -2943,10 +2947,6 @@ export interface Methods {
           /** how old the value is */
           age_ms: number;
         }[];
-        /** counts the states of the axis */
-        seq: number;
-        /** when it was read, on the daemon's monotonic clock */
-        event_time_ms: number;
       }[];
       /** those that do not answer now */
       failed: {

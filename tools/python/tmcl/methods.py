@@ -650,6 +650,34 @@ class PathPlanCourse(Record):
 
 
 @dataclass(frozen=True)
+class PathPlanCurve(Record):
+    #: of its points
+    times_s: tuple[float, ...] = ()
+    #: of each axis at each of them
+    positions: tuple[tuple[float, ...], ...] = ()
+
+
+@dataclass(frozen=True)
+class PathPlanExpected(Record):
+    #: velocity, segments or position
+    mode: str = ""
+    #: how far from the path the axes get, in the unit of the file
+    off_path: float = 0.0
+    #: when they are so far off, in seconds of the course
+    off_path_at_s: float = 0.0
+    #: where each axis is then
+    off_path_at: tuple[float, ...] = ()
+    #: how late on the path they get
+    lag_s: float = 0.0
+    #: how much of the course was foreseen; of a long one only the beginning
+    foreseen_s: float = 0.0
+    #: whether off_path stays within the tolerance
+    keeps_tolerance: bool = False
+    #: why the path cannot be passed in this mode, or would be ended; null if it can
+    refused: str | None = None
+
+
+@dataclass(frozen=True)
 class PathPlanShapingAxes(Record):
     #: of the file
     axis: str = ""
@@ -679,34 +707,6 @@ class PathPlanShaping(Record):
 
 
 @dataclass(frozen=True)
-class PathPlanCurve(Record):
-    #: of its points
-    times_s: tuple[float, ...] = ()
-    #: of each axis at each of them
-    positions: tuple[tuple[float, ...], ...] = ()
-
-
-@dataclass(frozen=True)
-class PathPlanExpected(Record):
-    #: velocity, segments or position
-    mode: str = ""
-    #: how far from the path the axes get, in the unit of the file
-    off_path: float = 0.0
-    #: when they are so far off, in seconds of the course
-    off_path_at_s: float = 0.0
-    #: where each axis is then
-    off_path_at: tuple[float, ...] = ()
-    #: how late on the path they get
-    lag_s: float = 0.0
-    #: how much of the course was foreseen; of a long one only the beginning
-    foreseen_s: float = 0.0
-    #: whether off_path stays within the tolerance
-    keeps_tolerance: bool = False
-    #: why the path cannot be passed in this mode, or would be ended; null if it can
-    refused: str | None = None
-
-
-@dataclass(frozen=True)
 class PathPlan(Record):
     #: by which path.run runs it, once; the daemon keeps the last one
     plan: int = 0
@@ -714,8 +714,6 @@ class PathPlan(Record):
     axes: tuple[str, ...] = ()
     #: where it leads, and how fast
     course: PathPlanCourse = field(default_factory=lambda: PathPlanCourse())
-    #: what the shaper makes of it; null without one
-    shaping: PathPlanShaping | None = None
     #: to draw it; null unless points are asked for
     curve: PathPlanCurve | None = None
     #: what is expected in each mode, the one that was asked for first; empty where the ramps
@@ -723,7 +721,9 @@ class PathPlan(Record):
     expected: tuple[PathPlanExpected, ...] = ()
     #: warnings about the settings of its axes, and what of the file is not carried out
     warnings: tuple[str, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "shaping": PathPlanShaping, "curve": PathPlanCurve, "expected": PathPlanExpected}
+    #: what the shaper makes of it; null without one
+    shaping: PathPlanShaping | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve, "expected": PathPlanExpected, "shaping": PathPlanShaping}
 
 
 @dataclass(frozen=True)
@@ -771,11 +771,11 @@ class PathRun(Record):
     tolerance_exceeded_by: float | None = None
     #: what else is to be said, such as of a parameter not set back
     remarks: tuple[str, ...] = ()
+    #: warnings about the settings of its axes, and what of the file is not carried out
+    warnings: tuple[str, ...] = ()
     #: what was expected before it began, as path.plan says; empty of a path that was planned
     #: before
     expected: tuple[PathPlanExpected, ...] = ()
-    #: warnings about the settings of its axes, and what of the file is not carried out
-    warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "expected": PathPlanExpected}
 
 
@@ -1312,8 +1312,6 @@ class State(Record):
     #: supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than
     #: tmcld has stopped it) or unknown; null while it moves or where that is not known
     stop_cause: str | None = None
-    #: grows whenever a client, or tmcld itself, has it stopped: also where it stands
-    last_stop: int = 0
     #: how old the oldest of these values is
     age_ms: int = 0
     #: number of its lease; null if it has none
@@ -1327,6 +1325,8 @@ class State(Record):
     unrestored: tuple[AxisGetRampSettings, ...] = ()
     #: what is wrong with its driver or its supply, as axis.get_errors names it
     faults: tuple[str, ...] = ()
+    #: grows whenever a client, or tmcld itself, has it stopped: also where it stands
+    last_stop: int = 0
     _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings}
 
 
@@ -1758,8 +1758,6 @@ class WatchedState(Record):
     #: supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than
     #: tmcld has stopped it) or unknown; null while it moves or where that is not known
     stop_cause: str | None = None
-    #: grows whenever a client, or tmcld itself, has it stopped: also where it stands
-    last_stop: int = 0
     #: how old the oldest of these values is
     age_ms: int = 0
     #: number of its lease; null if it has none
@@ -1773,12 +1771,14 @@ class WatchedState(Record):
     unrestored: tuple[AxisGetRampSettings, ...] = ()
     #: what is wrong with its driver or its supply, as axis.get_errors names it
     faults: tuple[str, ...] = ()
-    #: the parameters that the subscription names, as they were read last
-    samples: tuple[SubscribeStatesSamples, ...] = ()
+    #: grows whenever a client, or tmcld itself, has it stopped: also where it stands
+    last_stop: int = 0
     #: counts the states of the axis
     seq: int = 0
     #: when it was read, on the daemon's monotonic clock
     event_time_ms: int = 0
+    #: the parameters that the subscription names, as they were read last
+    samples: tuple[SubscribeStatesSamples, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings, "samples": SubscribeStatesSamples}
 
 
@@ -2037,15 +2037,15 @@ class Methods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
+        name: str | None = None,
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
-        lenient: bool | None = None,
-        name: str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "points": points}))
+        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "points": points}))
 
     def path_run(
         self,
@@ -2064,17 +2064,17 @@ class Methods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
+        name: str | None = None,
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
-        lenient: bool | None = None,
-        name: str | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start}))
 
     def path_pause(
         self,
@@ -3081,15 +3081,15 @@ class AsyncMethods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
+        name: str | None = None,
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
-        lenient: bool | None = None,
-        name: str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "points": points}))
+        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "points": points}))
 
     async def path_run(
         self,
@@ -3108,17 +3108,17 @@ class AsyncMethods:
         per_turn: float | None = None,
         deviation: float | None = None,
         period_ms: int | None = None,
+        lenient: bool | None = None,
+        name: str | None = None,
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
-        lenient: bool | None = None,
-        name: str | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "lenient": lenient, "name": name, "plan": plan, "to_start": to_start}))
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start}))
 
     async def path_pause(
         self,
