@@ -64,23 +64,34 @@ class TangoTest(BridgeTest):
 
         until(reached, lambda: f"one of {states}; the last status: {self.last_status}")
 
-    def move(self, to):
-        """As a person: says it again where it was not sent because the computer is busy."""
+    def sent(self, act):
+        """As a person: asks again where it was not sent because the computer is busy."""
         def begun():
             try:
-                self.device.Position = to
+                act()
             except tango.DevFailed as failed:
                 reasons = ("tmcl_axis_lost", "tmcl_stale_request", "tmcl_no_answer", "tmcl_lease_lost")
                 self.assertIn(failed.args[0].reason, reasons, failed.args[0].desc)
                 return False
             return True
 
-        until(begun, f"it takes a move to {to}")
+        until(begun, "it is sent")
 
-    def refused(self, act):
+    def move(self, to):
+        self.sent(lambda: self.write(to))
+
+    def refused_once(self, act):
         with self.assertRaises(tango.DevFailed) as caught:
             act()
         return caught.exception.args[0].reason
+
+    def refused(self, act):
+        """As a person: asks again where the server stood still because the computer is busy."""
+        def reason():
+            said = self.refused_once(act)
+            return said if said != "tmcl_stale_request" else None
+
+        return until(reason, "the server is awake")
 
     def move_by_second(self, to):
         def begun():
@@ -125,14 +136,14 @@ class Told(TangoTest):
         until(lambda: {MOVING, 3.0} <= set(seen), f"events; so far {seen}")
 
     def test_a_jog_ends_with_its_client(self):
-        self.device.Jog(4.0)
+        self.sent(lambda: self.device.Jog(4.0))
         until(lambda: self.second.x.moving, "it goes")
         self.wait_for(ON)
         until(lambda: self.second.x.state().lease is None, "the lease has ended")
 
     def test_a_stop_ends_a_reference_search(self):
         self.second.x.set("reference_search_mode", 7)
-        self.device.Home()
+        self.sent(self.device.Home)
         until(lambda: self.second.x.moving, "it searches")
         self.device.Stop()
         self.wait_for(ON)
@@ -192,7 +203,7 @@ class InSession(TangoTest):
         freeze(self.server.pid)
         with ThreadPoolExecutor() as beside:
             late = beside.submit(
-                self.refused, lambda: self.device.write_attribute(position, FAR)
+                self.refused_once, lambda: self.device.write_attribute(position, FAR)
             )
             until(lambda: self.second.x.state().lease is None, "the lease has run out")
             self.server.send_signal(signal.SIGCONT)

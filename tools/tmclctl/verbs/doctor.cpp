@@ -149,7 +149,8 @@ Result<void> examine_found_axes(Findings& findings, Context& context) {
   return examine_axes(*axes, findings, context);
 }
 
-/// "1" or "bench:1", which is the name of no axis.
+/// "1" or "bench:1", which is the name of no axis. A module without axes, which may not answer, has a
+/// motor 0.
 Result<void> examine_module(const ModuleName& module, Findings& findings, Context& context) {
   const auto bus = bus_named(module.bus, context);
   if (!bus) return tl::unexpected(bus.error());
@@ -159,9 +160,9 @@ Result<void> examine_module(const ModuleName& module, Findings& findings, Contex
     return axis.bus != bus->name || axis.address != module.address;
   });
   if (!axes->empty()) return examine_axes(*axes, findings, context);
-  return tl::unexpected(usage_error(
-      "unknown_module", fmt::format("no axis is on module {} of bus {}", module.address, bus->name),
-      fmt::format("One of its motors: doctor {}/0. Axes: 'tmclctl axes'", module.address)));
+  api::doctor::Examine method;
+  method.axis = fmt::format("{}:{}/0", bus->name, module.address);
+  return examine(method, findings, context);
 }
 
 Result<ExitCode> run(const verb::Doctor& verb, Context& context) {
