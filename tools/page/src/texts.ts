@@ -2,6 +2,9 @@
 
 export const texts = {
   title: "Bench",
+  parts: "Parts of the page",
+  tabs: { axes: "Axes", paths: "Paths", profiles: "Profiles", modules: "Modules", bus: "Bus" },
+  partMissing: "This part of the page could not be loaded: load the page anew",
   notConnected: "There is no connection to tmcld",
   connectionLost: "The connection to tmcld has ended before there was an answer",
   notReachable: "tmcld cannot be reached",

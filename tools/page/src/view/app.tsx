@@ -1,12 +1,15 @@
 import { access, may, signOut } from "../access";
 import { axes, isConnected } from "../bench";
+import { shownTab } from "../tabs";
 import { texts } from "../texts";
 import { isOutdated } from "../version";
 import { AxisCard } from "./axis_card";
 import { JogSettings } from "./jog_buttons";
+import { Part } from "./part";
 import { Scope } from "./scope";
 import { SignIn } from "./sign_in";
 import { StopAll } from "./stop_all_button";
+import { TabBar } from "./tab_bar";
 
 export function App() {
   const now = access.value;
@@ -25,15 +28,24 @@ export function App() {
         {!isConnected.value && may("subscribe") && <p class="notice" role="status">{texts.connecting}</p>}
         {isOutdated.value && <p class="problem" role="alert">{texts.outdated}</p>}
         {now.is === "in" && !may("subscribe") && <p class="notice">{texts.mayOnlyStop}</p>}
-        <JogSettings />
-        {isConnected.value && axes.value.length === 0 && <p class="notice">{texts.noAxes}</p>}
-        <div class="cards">
-          {axes.value.map((axis) => (
-            <AxisCard key={axis.info.name} axis={axis} />
-          ))}
-        </div>
-        {may("subscribe") && <Scope />}
+        {may("subscribe") && <TabBar />}
+        {shownTab.value === "axes" ? <Axes /> : <Part key={shownTab.value} tab={shownTab.value} />}
       </main>
+    </>
+  );
+}
+
+function Axes() {
+  return (
+    <>
+      <JogSettings />
+      {isConnected.value && axes.value.length === 0 && <p class="notice">{texts.noAxes}</p>}
+      <div class="cards">
+        {axes.value.map((axis) => (
+          <AxisCard key={axis.info.name} axis={axis} />
+        ))}
+      </div>
+      {may("subscribe") && <Scope />}
     </>
   );
 }

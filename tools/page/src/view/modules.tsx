@@ -1,0 +1,5 @@
+import { texts } from "../texts";
+
+export function Modules() {
+  return <section aria-label={texts.tabs.modules} />;
+}
