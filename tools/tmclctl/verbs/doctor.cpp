@@ -149,8 +149,8 @@ Result<void> examine_found_axes(Findings& findings, Context& context) {
   return examine_axes(*axes, findings, context);
 }
 
-/// "1" or "bench:1", which is the name of no axis. A module without axes, which may not answer, has a
-/// motor 0.
+/// "1" or "bench:1", which is the name of no axis. A module without axes, which may not answer, has
+/// a motor 0.
 Result<void> examine_module(const ModuleName& module, Findings& findings, Context& context) {
   const auto bus = bus_named(module.bus, context);
   if (!bus) return tl::unexpected(bus.error());
