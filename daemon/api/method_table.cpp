@@ -67,6 +67,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::break_lease>(configure),
     method<handlers::add_token>(configure),
     method<handlers::list_tokens>(configure),
+    method<handlers::invite_by_token>(configure),
     method<handlers::revoke_token>(configure),
     method<handlers::find_page>(observe),
     method<handlers::move_line>(operate),

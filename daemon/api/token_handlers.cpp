@@ -53,6 +53,16 @@ Result<std::string> name_of(const token::Add& params, const tmcld::Tokens& token
   return name;
 }
 
+/// `param`: of the method, for the error.
+template <auto param>
+Result<Token> token_named(const std::string& name, const tmcld::Tokens& tokens) {
+  if (const auto* found = tokens.find(name)) return *found;
+  std::vector<std::string_view> names;
+  for (const auto& one : tokens.all()) names.push_back(one.name);
+  return tl::unexpected(param_error<param>("bad_argument", "there is no token '" + name + "'",
+                                           suggest(name, names, "token.list shows them")));
+}
+
 Error not_kept(const std::string& why, std::string message) {
   return failed("not_kept", std::move(message) + ": " + why,
                 "look at the directory of tmcld's state: is there room, and may it write?");
@@ -80,16 +90,19 @@ Answer<token::List> list_tokens(Call& call, const token::List&) {
   co_return result;
 }
 
+Answer<token::Invite> invite_by_token(Call& call, const token::Invite& params) {
+  co_await must_not(objection(call));
+  const auto tokens = tokens_of(call);
+  const auto token = co_await must(token_named<&token::Invite::name>(params.name, *tokens));
+  auto code = tokens->invitations().add(token.name, call.gateway->clock().now());
+  co_return token::Invited{token.name, std::string(tmcld::name_of(token.role)), std::move(code),
+                           tmcl::seconds(time_invited)};
+}
+
 Answer<token::Revoke> revoke_token(Call& call, const token::Revoke& params) {
   co_await must_not(objection(call));
   const auto tokens = tokens_of(call);
-  if (tokens->find(params.name) == nullptr) {
-    std::vector<std::string_view> names;
-    for (const auto& one : tokens->all()) names.push_back(one.name);
-    co_return param_error<&token::Revoke::name>(
-        "bad_argument", "there is no token '" + params.name + "'",
-        suggest(params.name, names, "token.list shows them"));
-  }
+  co_await must(token_named<&token::Revoke::name>(params.name, *tokens));
   tokens->remove(params.name);
   const auto failure = co_await tmcld::Tokens::write(tokens);
   if (failure.empty()) co_return Nothing{};

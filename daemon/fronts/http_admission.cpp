@@ -219,7 +219,8 @@ Caller caller_by(std::string_view token, const Tokens& tokens,
 Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,
                              const HttpRules& rules, const Tokens& tokens,
                              std::span<const AccessConfig> access,
-                             const std::optional<SignIn>& sign_in) {
+                             const std::optional<SignIn>& sign_in,
+                             const std::optional<std::string>& invited_by) {
   const auto route = route_of(head);
   if (!route) return tl::unexpected(route.error());
   if (*route == HttpRoute::health) return HttpEntry{};
@@ -236,9 +237,12 @@ Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& con
   if (*route == HttpRoute::sign_in && secret.empty())
     return tl::unexpected(unauthorized("no_token", "a sign-in shows a token"));
   const bool has_cookie = !cookie_of(head, connection).empty();
-  auto entry = !secret.empty() ? entry_by_token(secret, connection, tokens)
-               : has_cookie    ? entry_by_cookie(sign_in, connection, tokens)
-                               : entry_without_token(head, connection, rules, access);
+  const auto* inviting = invited_by ? tokens.find(*invited_by) : nullptr;
+  const bool is_invited = *route == HttpRoute::sign_in && inviting != nullptr;
+  auto entry = is_invited        ? Result<HttpEntry>(entry_of(*inviting, 0, connection))
+               : !secret.empty() ? entry_by_token(secret, connection, tokens)
+               : has_cookie      ? entry_by_cookie(sign_in, connection, tokens)
+                                 : entry_without_token(head, connection, rules, access);
   if (!entry) return entry;
   if (*route == HttpRoute::rpc) {
     if (auto refused = objection_to_type(head)) return tl::unexpected(std::move(*refused));
@@ -248,6 +252,7 @@ Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& con
         not_now("not_permitted", "/metrics needs the role 'observe'", "send a token of that role"));
   }
   entry->route = *route;
+  entry->is_invited = is_invited;
   if (lists(head.protocols, websocket_protocol)) entry->protocol = websocket_protocol;
   return entry;
 }

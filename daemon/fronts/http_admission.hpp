@@ -53,6 +53,7 @@ struct HttpEntry {
   std::uint64_t sign_in = 0;  ///< By the cookie of which; 0: by none.
   std::string name{};         ///< Of the client, as others are told.
   std::string protocol{};     ///< Of the WebSocket, if it wants one; to be agreed on.
+  bool is_invited = false;    ///< To sign in, once.
 };
 
 struct HttpRules {
@@ -82,11 +83,13 @@ std::string_view cookie_of(const HttpHead& head, const HttpConnectionInfo& conne
 Caller caller_by(std::string_view token, const Tokens& tokens,
                  std::span<const AccessConfig> access);
 
-/// `sign_in`: what the cookie stands for, if that has not ended.
+/// `sign_in`: what the cookie stands for, if that has not ended. `invited_by`: the token whose
+/// invitation came along instead of its secret; it lets a browser sign in, and no more.
 Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,
                              const HttpRules& rules, const Tokens& tokens,
                              std::span<const AccessConfig> access,
-                             const std::optional<SignIn>& sign_in = std::nullopt);
+                             const std::optional<SignIn>& sign_in = std::nullopt,
+                             const std::optional<std::string>& invited_by = std::nullopt);
 /// Of the answer to a request that is refused by this error.
 unsigned http_status_of(const Error& refusal);
 

@@ -295,7 +295,7 @@ class StreamConnection final : public HttpConnection,
   }
 
   awaitable<bool> sign_in(const Request& request, const HttpEntry& entry) {
-    const auto cookie = cookie_with(connections_->sign_in(entry.token), time_signed_in);
+    const auto cookie = cookie_with(connections_->sign_in(head_of(request), entry), time_signed_in);
     const bool goes_on = co_await tell_who(request, entry, cookie);
     co_return goes_on;
   }

@@ -53,8 +53,10 @@ std::vector<std::shared_ptr<HttpConnection>> HttpConnections::all() const {
 Result<HttpEntry> HttpConnections::admit(const HttpHead& head,
                                          const HttpConnectionInfo& info) const {
   const HttpRules rules{config_.origins, config_.loopback_without_token};
-  const auto sign_in = sign_ins_.of_secret(cookie_of(head, info), gateway->clock().now());
-  return admit_http(head, info, rules, *share->tokens, gateway->access(), sign_in);
+  const auto now = gateway->clock().now();
+  const auto sign_in = sign_ins_.of_secret(cookie_of(head, info), now);
+  const auto invited_by = share->tokens->invitations().token_by(token_of(head), now);
+  return admit_http(head, info, rules, *share->tokens, gateway->access(), sign_in, invited_by);
 }
 
 Caller HttpConnections::caller_by(std::string_view token, std::uint64_t sign_in) const {
@@ -66,8 +68,9 @@ Caller HttpConnections::caller_by(std::string_view token, std::uint64_t sign_in)
   return caller;
 }
 
-std::string HttpConnections::sign_in(const std::string& token) {
-  return sign_ins_.add(token, gateway->clock().now());
+std::string HttpConnections::sign_in(const HttpHead& head, const HttpEntry& entry) {
+  if (entry.is_invited) share->tokens->invitations().use(token_of(head));
+  return sign_ins_.add(entry.token, gateway->clock().now());
 }
 
 void HttpConnections::sign_out(std::uint64_t sign_in, std::uint64_t but) {

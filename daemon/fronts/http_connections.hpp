@@ -68,8 +68,8 @@ class HttpConnections {
   /// The client that was let in so, and what it may do now.
   Caller caller_by(std::string_view token, std::uint64_t sign_in) const;
 
-  /// What the cookie has from then on.
-  std::string sign_in(const std::string& token);
+  /// What the cookie has from then on. An invitation is used by it.
+  std::string sign_in(const HttpHead& head, const HttpEntry& entry);
   /// Ends all connections that it let in but the one of this id.
   void sign_out(std::uint64_t sign_in, std::uint64_t but = 0);
   void end_what_has_expired();

@@ -27,6 +27,7 @@ libssl-dev|TLS, and the hashes of tokens
 prometheus-cpp-dev|writes /metrics in the form that Prometheus reads
 libexpected-dev|tl::expected, results that are a value or an error
 libncurses-dev|draws the axes on the whole terminal (tmclctl top)
+libqrencode-dev|draws what a phone reads (tmclctl page --phone)
 '
 
 packages_test='
@@ -38,6 +39,7 @@ can-utils|cansend and candump, which tests compare with
 curl|calls tmcld by HTTP, as docs/PROTOCOL.md shows
 chromium|a browser, which the page of tmcld is tested in
 openssl|makes certificates for tests
+zbar-tools|reads the picture that a phone is to read
 socat|joins and cuts serial lines
 zsh|its completion of tmclctl
 fish|its completion of tmclctl

@@ -322,6 +322,21 @@ describe("who is who", () => {
     await page.context().close();
   });
 
+  it("is let in once by the link for a phone", async () => {
+    await bench.token("operate", "phone");
+    const { code } = await bench.call("token.invite", { name: "phone" });
+    const page = await open(`${bench.url}/#code=${code}`);
+    await card(page, "x").waitFor();
+    await page.getByText("phone · operate").waitFor();
+    assert.equal(page.url().includes(code), false);
+    await page.context().close();
+    const other = await open(`${bench.url}/#code=${code}`);
+    await other.getByText(/has been used, or is too old/).waitFor();
+    await signIn(other, await bench.token("operate", "lab"));
+    await card(other, "x").waitFor();
+    await other.context().close();
+  });
+
   it("has no button before the sign-in, and takes no wrong token", async () => {
     const page = await open(bench.url);
     await page.getByLabel("Token").waitFor();

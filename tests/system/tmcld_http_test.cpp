@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,13 +20,14 @@ using testing::StartsWith;
 
 class TmcldHttp : public TmcldTest {
  protected:
-  void start(const std::string& keys = "loopback_without_token = true\n") {
+  void start(const std::string& keys = "loopback_without_token = true\n",
+             const std::string& host = "127.0.0.1") {
     start_simulator_on_pty();
     write_config(pty_link());
-    std::ofstream(config(), std::ios::app) << "[http]\nlisten = [\"127.0.0.1:0\"]\n" << keys;
+    std::ofstream(config(), std::ios::app) << "[http]\nlisten = [\"" << host << ":0\"]\n" << keys;
     start_daemon();
     const auto& said = daemon->output();
-    const std::string_view address = "://127.0.0.1:";
+    const auto address = "://" + host + ":";
     if (said.find(address) == std::string::npos) {
       ASSERT_TRUE(daemon->wait_for(address));
     }
@@ -339,6 +341,50 @@ TEST_F(TmcldHttp, TellsTmclctlWhereThePageIs) {
   start_daemon();
   EXPECT_THAT(shell(TMCL_BIN_DIR "/tmclctl --socket " + socket() + " page 2>&1; echo $?"),
               AllOf(HasSubstr("serves nothing by HTTP"), HasSubstr("\n1\n")));
+}
+
+TEST_F(TmcldHttp, ShowsNoPhoneAPageThatIsForThisComputerAlone) {
+  start("");
+  EXPECT_THAT(shell(TMCL_BIN_DIR "/tmclctl --socket " + socket() + " page --phone 2>&1; echo $?"),
+              AllOf(HasSubstr("to this computer alone"), HasSubstr("\n2\n")));
+  EXPECT_EQ(say({"tmclctl", "--socket", socket(), "token", "list"}).find("phone"),
+            std::string::npos);
+}
+
+/// As an image of plain PBM: a module is four pixels wide.
+std::string picture_of(const std::string& drawn) {
+  constexpr int scale = 4;
+  std::istringstream in(drawn);
+  std::string line, rows;
+  std::size_t count = 0, width = 0;
+  while (std::getline(in, line) && (line.starts_with("##") || line.starts_with("  "))) {
+    std::string row;
+    for (std::size_t i = 0; i < line.size(); i += 2)
+      for (int dot = 0; dot < scale; ++dot) row += line[i] == '#' ? "0 " : "1 ";
+    for (int dot = 0; dot < scale; ++dot) rows += row + "\n";
+    width = row.size() / 2;
+    count += scale;
+  }
+  return "P1\n" + std::to_string(width) + " " + std::to_string(count) + "\n" + rows;
+}
+
+TEST_F(TmcldHttp, DrawsWhatSignsAPhoneInOnce) {
+  make_certificate();
+  start(tls_keys(), "0.0.0.0");
+  const auto drawn =
+      shell("LC_ALL=C " TMCL_BIN_DIR "/tmclctl --socket " + socket() + " page --phone");
+  std::ofstream(path("code.pbm")) << picture_of(drawn);
+  auto link = shell("zbarimg -q --raw " + path("code.pbm"));
+  link.pop_back();
+  EXPECT_THAT(link, AllOf(StartsWith("https://"), HasSubstr("/#code=")));
+  EXPECT_THAT(drawn, AllOf(HasSubstr("\n" + link + "\n"), HasSubstr("the role operate")));
+  const auto code = link.substr(link.find('=') + 1);
+  const auto sign_in = [&] {
+    return shell("curl -sSk -X POST -H 'Authorization: Bearer " + code + "' " + https() +
+                 "/session");
+  };
+  EXPECT_THAT(sign_in(), HasSubstr(R"({"role":"operate","token":"phone","signed_in":true})"));
+  EXPECT_THAT(sign_in(), HasSubstr("unknown_token"));
 }
 
 TEST_F(TmcldHttp, DoesForTmclctlByUrlWhatTheSocketDoes) {

@@ -315,6 +315,50 @@ TEST_F(HttpSignIn, EndsWithItsToken) {
   EXPECT_THAT(ask(move(with(cookie))), HasSubstr("sign_in_ended"));
 }
 
+using HttpInvitation = HttpSignIn;
+
+TEST_F(HttpInvitation, SignsInOnceWithTheRoleOfItsToken) {
+  share->tokens->add("phone", Role::observe);
+  const auto code = share->tokens->invitations().add("phone", bench.time.now());
+  const auto cookie = sign_in(code);
+  EXPECT_THAT(said, HasSubstr("\"role\":\"observe\",\"token\":\"phone\""));
+  EXPECT_THAT(ask(call("axis.stop", R"({"axis":"x"})", with(cookie))), HasSubstr("\"result\""));
+  connect();
+  EXPECT_EQ(sign_in(code), "");
+  EXPECT_THAT(said, AllOf(StartsWith("HTTP/1.1 401"), HasSubstr("unknown_token")));
+}
+
+TEST_F(HttpInvitation, IsNoToken) {
+  share->tokens->add("phone", Role::operate);
+  const auto code = share->tokens->invitations().add("phone", bench.time.now());
+  EXPECT_THAT(ask(move("Authorization: Bearer " + code + "\r\n")), HasSubstr("unknown_token"));
+  connect();
+  EXPECT_THAT(ask(head_of("GET /session", "Authorization: Bearer " + code + "\r\n\r\n")),
+              HasSubstr("unknown_token"));
+  connect();
+  EXPECT_NE(sign_in(code), "") << "what refused it has not used it";
+}
+
+TEST_F(HttpInvitation, EndsByTimeWithItsTokenAndWhenThereAreManyOthers) {
+  auto& invitations = share->tokens->invitations();
+  share->tokens->add("phone", Role::operate);
+  const auto old = invitations.add("phone", bench.time.now());
+  bench.time.run_for(time_invited);
+  EXPECT_EQ(sign_in(old), "");
+  const auto gone = invitations.add("phone", bench.time.now());
+  share->tokens->remove("phone");
+  share->tokens->add("phone", Role::operate);
+  connect();
+  EXPECT_EQ(sign_in(gone), "");
+  const auto first = invitations.add("phone", bench.time.now());
+  const auto second = invitations.add("phone", bench.time.now());
+  for (std::size_t i = 1; i < most_invitations; ++i) invitations.add("phone", bench.time.now());
+  connect();
+  EXPECT_EQ(sign_in(first), "");
+  connect();
+  EXPECT_NE(sign_in(second), "");
+}
+
 TEST_F(HttpSignIn, EndsWithItsDay) {
   const auto cookie = sign_in(share->tokens->add("bench", Role::operate));
   ask(call("axis.rotate", R"({"axis":"x","velocity_internal":100})", with(cookie)));

@@ -111,6 +111,7 @@ std::string Tokens::add(std::string name, Role role) {
 void Tokens::remove(std::string_view name) {
   const std::string gone(name);
   std::erase_if(all_, [&](const Token& token) { return token.name == gone; });
+  invitations_.remove_of_token(gone);
   on_removed_(gone);
 }
 

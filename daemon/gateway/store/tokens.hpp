@@ -13,6 +13,7 @@
 
 #include "async/workers.hpp"
 #include "config/config.hpp"
+#include "gateway/store/invitations.hpp"
 #include "log/sink.hpp"
 
 namespace tmcld {
@@ -46,8 +47,10 @@ class Tokens {
 
   /// The secret, which cannot be read again. The name must be free, and there must be room.
   std::string add(std::string name, Role role);
-  /// Ends the sessions that it let in.
+  /// Ends the sessions that it let in, and its invitations.
   void remove(std::string_view name);
+  Invitations& invitations() { return invitations_; }
+  const Invitations& invitations() const { return invitations_; }
   /// The listener ends the connections that it let in.
   void on_removed(std::function<void(const std::string& name)> listener) {
     on_removed_ = std::move(listener);
@@ -62,6 +65,7 @@ class Tokens {
   std::string path_;
   std::string problem_;
   std::vector<Token> all_;
+  Invitations invitations_;
   std::function<void(const std::string& name)> on_removed_ = [](const std::string&) {};
   Workers writer_{1};
 };

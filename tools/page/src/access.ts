@@ -46,6 +46,18 @@ export function refuse(message: string, name: string): void {
   else access.value = { is: "out", why: name === "no_token" ? "" : message };
 }
 
+const codeMark = "#code=";
+
+/** At first. A link from `tmclctl page --phone` has a code that signs in once. */
+export async function enter(): Promise<void> {
+  if (!location.hash.startsWith(codeMark)) return findOutWho();
+  const code = location.hash.slice(codeMark.length);
+  history.replaceState(null, "", location.pathname + location.search);
+  const problem = await signIn(code);
+  if (problem) await findOutWho();
+  if (problem && access.peek().is === "out") access.value = { is: "out", why: texts.codeRefused };
+}
+
 /** Empty, or why not. */
 export async function signIn(token: string): Promise<string> {
   const response = await fetch("/session", { method: "POST", headers: { Authorization: `Bearer ${token}` } }).catch(() => null);

@@ -17,6 +17,7 @@ export const texts = {
   signIn: "Sign in",
   signInAgain: "Sign in again",
   signOut: "Sign out",
+  codeRefused: "The link has been used, or is too old: `tmclctl page --phone` makes another one",
   token: "Token",
   tokenHelp: "`tmclctl token add --role operate` makes one on the gateway.",
   ended: (why: string) => `This page may do nothing any more: ${why || "the sign-in has ended"}`,

@@ -32,6 +32,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"lease.break", "lease break"},
     {"token.add", "token add"},
     {"token.list", "token list"},
+    {"token.invite", "page --phone"},
     {"token.revoke", "token revoke"},
     {"page.find", "page"},
     {"axis.wait", "wait"},

@@ -479,7 +479,10 @@ struct Tokens {};
 struct RevokeToken {
   std::string name;
 };
-struct Page {};
+struct Page {
+  bool phone = false;
+  std::string token = "phone";
+};
 struct BreakLease {
   std::string axis;
 };

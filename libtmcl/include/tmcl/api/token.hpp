@@ -44,4 +44,19 @@ struct Revoke {
   TMCL_FIELD(std::string, name, name_summary);
 };
 
+struct Invited {
+  TMCL_STRUCT(Invited);
+  TMCL_FIELD(std::string, name, name_summary);
+  TMCL_FIELD(std::string, role, role_summary);
+  TMCL_FIELD(std::string, code,
+             "signs a browser in once, by POST /session, where the token itself would");
+  TMCL_FIELD(double, ends_in_s, "until it does no more");
+};
+struct Invite {
+  TMCL_METHOD("token.invite", writes, Invited,
+              "makes a code with which one browser signs in by the token, once, within ten minutes",
+              Invite);
+  TMCL_FIELD(std::string, name, name_summary);
+};
+
 }  // namespace tmcl::api::token
