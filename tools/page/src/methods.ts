@@ -624,6 +624,23 @@ export interface Methods {
       }[];
     };
   };
+  /** makes a code with which one browser signs in by the token, once, within ten minutes */
+  "token.invite": {
+    params: {
+      /** what it is called */
+      name: string;
+    };
+    result: {
+      /** what it is called */
+      name: string;
+      /** what its bearer may do: observe, operate or configure */
+      role: string;
+      /** signs a browser in once, by POST /session, where the token itself would */
+      code: string;
+      /** until it does no more */
+      ends_in_s: number;
+    };
+  };
   /** ends the token, and the connections that it let in */
   "token.revoke": {
     params: {
@@ -2991,6 +3008,7 @@ export const roleFor: Record<keyof Methods, Role> = {
   "lease.break": "configure",
   "token.add": "configure",
   "token.list": "configure",
+  "token.invite": "configure",
   "token.revoke": "configure",
   "page.find": "observe",
   "line.move": "operate",

@@ -35,6 +35,7 @@ EFFECTS: Mapping[str, str] = {
     "lease.break": "writes",
     "token.add": "writes",
     "token.list": "reads",
+    "token.invite": "writes",
     "token.revoke": "writes",
     "page.find": "reads",
     "line.move": "moves",
@@ -560,6 +561,18 @@ class TokenList(Record):
     #: the tokens there are
     tokens: tuple[TokenListTokens, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"tokens": TokenListTokens}
+
+
+@dataclass(frozen=True)
+class TokenInvite(Record):
+    #: what it is called
+    name: str = ""
+    #: what its bearer may do: observe, operate or configure
+    role: str = ""
+    #: signs a browser in once, by POST /session, where the token itself would
+    code: str = ""
+    #: until it does no more
+    ends_in_s: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -1988,6 +2001,11 @@ class Methods:
         """`token.list` which tokens there are."""
         return TokenList.of(self._call("token.list", {}))
 
+    def token_invite(self, name: str) -> TokenInvite:
+        """`token.invite` makes a code with which one browser signs in by the token, once, within
+        ten minutes."""
+        return TokenInvite.of(self._call("token.invite", {"name": name}))
+
     def token_revoke(self, name: str) -> None:
         """`token.revoke` ends the token, and the connections that it let in."""
         self._call("token.revoke", {"name": name})
@@ -3031,6 +3049,11 @@ class AsyncMethods:
     async def token_list(self) -> TokenList:
         """`token.list` which tokens there are."""
         return TokenList.of(await self._call("token.list", {}))
+
+    async def token_invite(self, name: str) -> TokenInvite:
+        """`token.invite` makes a code with which one browser signs in by the token, once, within
+        ten minutes."""
+        return TokenInvite.of(await self._call("token.invite", {"name": name}))
 
     async def token_revoke(self, name: str) -> None:
         """`token.revoke` ends the token, and the connections that it let in."""
