@@ -4,7 +4,7 @@ import { texts } from "../texts";
 
 export function SignIn({ why }: { why: string }) {
   const [token, setToken] = useState("");
-  const [problem, setProblem] = useState(why);
+  const [problem, setProblem] = useState<string | null>(null);
   const submit = async (event: Event) => {
     event.preventDefault();
     setProblem(await signIn(token.trim()));
@@ -18,7 +18,7 @@ export function SignIn({ why }: { why: string }) {
       </label>
       <button>{texts.signIn}</button>
       <p class="help">{texts.tokenHelp}</p>
-      {problem && <p class="problem" role="alert">{problem}</p>}
+      {(problem ?? why) && <p class="problem" role="alert">{problem ?? why}</p>}
     </form>
   );
 }
