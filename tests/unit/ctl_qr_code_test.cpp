@@ -11,7 +11,7 @@
 namespace tmclctl::test {
 namespace {
 
-std::vector<std::string> lines_of(const std::string& text) {
+std::vector<std::string> rows_of_picture(const std::string& text) {
   std::istringstream in(text);
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -19,7 +19,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }
 
 TEST(QrCode, HasAMarginAndItsMarkInThreeCorners) {
-  const auto lines = lines_of(qr_code("https://gateway:4143/#code=0123", Screen{}));
+  const auto lines = rows_of_picture(qr_code("https://gateway:4143/#code=0123", Screen{}));
   ASSERT_GT(lines.size(), 21U + 8U);
   const auto size = lines.size();
   for (const auto& line : lines) {
@@ -35,11 +35,11 @@ TEST(QrCode, HasAMarginAndItsMarkInThreeCorners) {
 
 TEST(QrCode, HasTwoRowsInALineWhereThereAreHalfBlocks) {
   Screen screen;
-  const auto rows = lines_of(qr_code("a", screen)).size();
+  const auto rows = rows_of_picture(qr_code("a", screen)).size();
   screen.utf8 = true;
-  EXPECT_EQ(lines_of(qr_code("a", screen)).size(), (rows + 1) / 2);
+  EXPECT_EQ(rows_of_picture(qr_code("a", screen)).size(), (rows + 1) / 2);
   screen.colour = true;
-  for (const auto& line : lines_of(qr_code("a", screen)))
+  for (const auto& line : rows_of_picture(qr_code("a", screen)))
     EXPECT_TRUE(line.starts_with("\x1b[97;40m") && line.ends_with("\x1b[0m")) << line;
 }
 

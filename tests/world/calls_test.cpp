@@ -23,7 +23,8 @@ constexpr int repeat_every = 10;
 /// gateway stands still now and then.
 Trouble trouble_of(std::uint64_t seed) {
   if (const char* given = std::getenv("TMCL_WORLD")) return trouble_from(given);
-  Trouble trouble{.faults = {.lost = 20}, .gaps = seed % 3 == 0, .raw = seed % 4 != 0};
+  Trouble trouble{
+      .faults = {.lost = 20}, .gaps = seed % 3 == 0, .raw = seed % 4 != 0, .doors = seed % 5 != 0};
   if (seed % 2 == 0) trouble.faults = {.lost = 20, .late = 20, .doubled = 10};
   return trouble;
 }
@@ -46,7 +47,7 @@ void note_failure(std::uint64_t seed) {
 }
 
 TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
-  std::size_t requests = 0, movements = 0;
+  std::size_t requests = 0, movements = 0, done_for_hosts = 0;
   tmcl::Duration lasted{};
   const int runs = tmcl::test::rounds(usual_runs);
   for (int run = 0; run < runs && !HasFailure(); ++run) {
@@ -59,6 +60,7 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
     lasted += world.now() - began;
     requests += world.requests();
     movements += world.ledger().movements();
+    done_for_hosts += world.done_for_hosts();
     if (!complaints.empty()) {
       note_failure(seed);
       const auto least = shrunk(trouble, [&](const auto& less) { return fails(seed, less); });
@@ -73,7 +75,8 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
         << "the same seed gave another run: " << command_for(seed, trouble);
   }
   std::cout << runs << " runs: " << requests << " requests on the wires, " << movements
-            << " movements, " << std::chrono::duration_cast<std::chrono::seconds>(lasted).count()
+            << " movements, " << done_for_hosts << " requests done for hosts at ports, "
+            << std::chrono::duration_cast<std::chrono::seconds>(lasted).count()
             << " s of virtual time\n";
 }
 

@@ -24,6 +24,7 @@ constexpr Breach breaches[] = {
     {"NothingIsSentTwice", Canary::doubled_movement, "no call has asked for it"},
     {"WhatIsNotSentWasNot", Canary::wrong_outcome, "was sent, but said to be not"},
     {"WhatNobodyOwnsStands", Canary::owner_not_missed, "although its owner is gone"},
+    {"WhatAHostHasLeftStands", Canary::host_not_missed, "although its owner is gone"},
     {"NothingIsSentBeyondItsLimits", Canary::no_limits, "is sent beyond its soft limit"},
     {"EverybodyGetsAnAnswer", Canary::no_answer, "a call has no end"},
 };
@@ -34,6 +35,7 @@ Trouble trouble_with(Canary canary) {
   Trouble trouble{.faults = {.lost = 20}, .deaths = false, .supplies = false, .canary = canary};
   if (canary == Canary::forged_fences || canary == Canary::none)
     trouble.faults = {.late = rarely_late};
+  trouble.doors = canary == Canary::host_not_missed;
   return trouble;
 }
 

@@ -36,6 +36,7 @@ class Feeding {
       if (!sets || std::exchange(is_set_, true)) return "a setting is written to an EEPROM";
     }
     if (!is_of(bus, request.address)) return {};
+    sent_ = now;
     const auto before = std::exchange(last_, now);
     const bool is_late = before && now - *before > deadman;
     return is_late ? "a module with a deadman got no command for too long" : std::string();
@@ -47,14 +48,24 @@ class Feeding {
   /// `own_ramp`: how long its motor takes to rest by the settings that it has, which a line may
   /// have lowered.
   bool must_stand(tmcl::TimePoint now, tmcl::Duration own_ramp) const {
-    return last_ && now - *last_ > deadman + std::max(time_to_ramp_down, own_ramp);
+    return has_passed(last_, now, own_ramp);
+  }
+  /// Its deadman has stopped it, whether that could be helped or not.
+  bool has_stopped(tmcl::TimePoint now, tmcl::Duration own_ramp) const {
+    return has_passed(sent_, now, own_ramp);
   }
 
  private:
+  static bool has_passed(std::optional<tmcl::TimePoint> since, tmcl::TimePoint now,
+                         tmcl::Duration own_ramp) {
+    return since && now - *since > deadman + std::max(time_to_ramp_down, own_ramp);
+  }
+
   std::string bus_;
   tmcl::ModuleAddress module_;
   bool is_set_ = false;
-  std::optional<tmcl::TimePoint> last_;  ///< When it was sent something.
+  std::optional<tmcl::TimePoint> sent_;  ///< When it was sent something last.
+  std::optional<tmcl::TimePoint> last_;  ///< The same, or when it could hear something again.
 };
 
 }  // namespace tmcld::test

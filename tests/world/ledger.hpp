@@ -138,6 +138,9 @@ class Ledger {
     }
   }
 
+  /// Its module has got no command for too long, and has stopped it.
+  void on_deadman(const std::string& axis, tmcl::TimePoint now) { owners_.stand(axis, now); }
+
   /// In the order in which they are on the wire.
   void on_request(const std::string& bus, const tmcl::Request& request, tmcl::TimePoint now) {
     look(now);

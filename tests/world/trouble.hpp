@@ -36,6 +36,7 @@ enum class Canary : std::uint8_t {
   owner_not_missed,     ///< The gateway is not told that a client has gone.
   no_limits,            ///< The gateway knows of no soft limits.
   no_answer,            ///< A client does not get one.
+  host_not_missed,      ///< A port does not see that its host has gone.
 };
 
 struct Trouble {
@@ -45,8 +46,9 @@ struct Trouble {
   int clients = 4;
   int calls = 40;  ///< Of each client.
   Canary canary = Canary::none;
-  bool gaps = false;  ///< The process of the gateway is stopped for a while.
-  bool raw = false;   ///< Clients send raw commands, and move to coordinates, too.
+  bool gaps = false;   ///< The process of the gateway is stopped for a while.
+  bool raw = false;    ///< Clients send raw commands, and move to coordinates, too.
+  bool doors = false;  ///< Hosts at ports, and a client that has a connection for each call.
 };
 
 /// Numbers in a fixed order, as TMCL_WORLD takes them.
@@ -55,7 +57,9 @@ inline std::string to_text(const Trouble& trouble) {
   const auto& faults = trouble.faults;
   text << faults.lost << ',' << faults.late << ',' << faults.doubled << ',' << trouble.deaths << ','
        << trouble.supplies << ',' << trouble.clients << ',' << trouble.calls << ','
-       << static_cast<int>(trouble.canary) << ',' << trouble.gaps << (trouble.raw ? ",1" : "");
+       << static_cast<int>(trouble.canary) << ',' << trouble.gaps;
+  if (trouble.raw || trouble.doors) text << ',' << trouble.raw;
+  if (trouble.doors) text << ",1";
   return text.str();
 }
 
@@ -70,9 +74,9 @@ inline Trouble trouble_from(const std::string& text) {
       canary >> comma >> trouble.gaps;
   trouble.canary = static_cast<Canary>(canary);
   const bool is_whole = !in.fail();
-  in >> comma >> trouble.raw;
+  in >> comma >> trouble.raw >> comma >> trouble.doors;
   if (!is_whole)
-    throw std::invalid_argument("TMCL_WORLD: nine or ten numbers, see tests/world/trouble.hpp");
+    throw std::invalid_argument("TMCL_WORLD: nine to eleven numbers, see tests/world/trouble.hpp");
   return trouble;
 }
 
@@ -84,6 +88,7 @@ inline std::vector<Trouble> simpler(const Trouble& trouble) {
     change(less);
     if (to_text(less) != to_text(trouble)) all.push_back(less);
   };
+  with([](Trouble& less) { less.doors = false; });
   with([](Trouble& less) { less.raw = false; });
   with([](Trouble& less) { less.gaps = false; });
   with([](Trouble& less) { less.supplies = false; });

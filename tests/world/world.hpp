@@ -22,6 +22,7 @@
 #include "tmcl/command_type.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "world/feeding.hpp"
+#include "world/host.hpp"
 #include "world/ledger.hpp"
 #include "world/trouble.hpp"
 #include "world/wire.hpp"
@@ -56,6 +57,7 @@ class World {
     for (auto* wire : {&serial_, &can_}) {
       wire->forges_fences = trouble.canary == Canary::forged_fences;
       wire->on_request = [this, wire](const tmcl::Request& request) {
+        note_deadman();
         ledger_.on_request(wire->name(), request, time_.now());
         look_at_feeding(*wire, request);
         if (wire == &serial_) break_after(request);
@@ -79,10 +81,12 @@ class World {
     gateway_->start();
     for (int i = 0; i < trouble_.clients; ++i) spawn(context_.get_executor(), client(i));
     if (trouble_.gaps) spawn(context_.get_executor(), stand_still());
+    if (trouble_.doors) spawn(context_.get_executor(), hosts());
+    hosts_ended_ = !trouble_.doors;
     for (auto* wire : {&serial_, &can_})
       if (trouble_.supplies) spawn(context_.get_executor(), fail_supplies(*wire));
     using namespace std::chrono_literals;
-    all_ended_ = time_.run_while_not([this] { return ended_ == trouble_.clients; }, 10min);
+    all_ended_ = time_.run_while_not([this] { return has_ended() && hosts_ended_; }, 10min);
     // An axis that could not be stopped may need longer: who insists on that is no line.
     const auto is_on_line = [](const auto& axis) { return axis->claim_kind() == ClaimKind::line; };
     journeys_ended_ = time_.run_while_not(
@@ -107,11 +111,16 @@ class World {
   }
   std::uint64_t trace() const { return trace_.value(); }
   const Ledger& ledger() const { return ledger_; }
+  std::size_t done_for_hosts() const { return done_for_hosts_; }
   std::size_t requests() const { return serial_.requests() + can_.requests(); }
   tmcl::TimePoint now() const { return time_.now(); }
 
  private:
   using Random = tmcl::test::Random<>;
+  static constexpr auto axis_with_deadman = "f";
+  static constexpr int most_clients = 8;
+  static constexpr int brief_client = 3;
+  static constexpr int client_of_hosts = most_clients - 1;
 
   static std::vector<WorldAxis> axes() {
     using tmcl::ModuleAddress;
@@ -157,6 +166,7 @@ class World {
       call.client = peer->number;
       auto carried_out = carry_out(peer, std::move(call), std::move(params));
       co_await std::move(carried_out);
+      if (is_brief(index)) come_anew(*peer);
     }
     peer->has_ended = true;
     leave(*peer);
@@ -207,6 +217,11 @@ class World {
     const std::chrono::duration<double> time(speed / slope);
     return std::chrono::duration_cast<tmcl::Duration>(time);
   }
+  void note_deadman() {
+    const auto* module = module_with_deadman();
+    if (module != nullptr && feeding_.has_stopped(now(), time_to_rest(*module)))
+      ledger_.on_deadman(axis_with_deadman, now());
+  }
   void look_at_feeding(const Wire& wire, const tmcl::Request& request) {
     // One that does not answer is not fed.
     const auto* module = module_at(wire, request.address);
@@ -232,9 +247,66 @@ class World {
     while (true) {
       co_await rest(std::chrono::milliseconds(random.between(100, 5'000)));
       if (peer->has_ended) break;
-      leave(*peer);
-      peer->number = gateway_->add_client().number;
+      come_anew(*peer);
     }
+  }
+
+  void come_anew(WorldPeer& peer) {
+    leave(peer);
+    peer.number = gateway_->add_client().number;
+  }
+  /// It has a connection for each call, as programs have that POST.
+  bool is_brief(int index) const { return trouble_.doors && index == brief_client; }
+  bool has_ended() const { return ended_ == trouble_.clients; }
+
+  // ---- hosts at ports ----
+
+  /// One after the other, for as long as clients call.
+  boost::asio::awaitable<void> hosts() {
+    auto random = generator(seed_, "hosts");
+    while (!has_ended()) {
+      co_await visit(random, random.one_in(2) ? serial_.name() : can_.name());
+      co_await rest(std::chrono::milliseconds(random.between(0, 1'000)));
+    }
+    hosts_ended_ = true;
+  }
+
+  /// It goes in the middle of what it has asked for last.
+  boost::asio::awaitable<void> visit(Random& random, std::string bus) {
+    const auto host = std::make_shared<WorldHost>(gateway_, bus);
+    for (auto left = random.between(0, 15); left > 0 && !has_ended(); --left) {
+      co_await rest(std::chrono::microseconds(random.any_size(500'000)));
+      auto asked = ask(host, any_request(random, bus));
+      co_await std::move(asked);
+    }
+    spawn(context_.get_executor(), ask(host, any_request(random, bus)));
+    co_await rest(std::chrono::microseconds(random.any_size(500'000)));
+    ledger_.on_leave(host->number(), now());
+    if (trouble_.canary != Canary::host_not_missed) host->go();
+  }
+
+  WorldCall any_request(Random& random, const std::string& bus) const {
+    auto on_bus = axes();
+    std::erase_if(on_bus, [&](const WorldAxis& axis) { return axis.bus != bus; });
+    const auto last = static_cast<std::int64_t>(on_bus.size()) - 1;
+    json::object unused;
+    return raw(random, client_of_hosts,
+               on_bus[static_cast<std::size_t>(random.between(0, last))].name, unused);
+  }
+
+  boost::asio::awaitable<void> ask(std::shared_ptr<WorldHost> host, WorldCall call) {
+    call.client = host->number();
+    const auto request = *call.raw;
+    const auto number = ledger_.begin(std::move(call), now());
+    host->say(request);
+    const auto told = co_await host->answer();
+    const bool is_done = told && told->reply.status == tmcl::Status::ok;
+    Result<json::object> result;
+    if (!is_done) result = tl::unexpected(failed("host", told ? "refused" : "silence"));
+    if (!is_done) result.error().outcome = tmcl::Outcome::unknown;
+    done_for_hosts_ += is_done ? 1 : 0;
+    ledger_.end(number, result, now());
+    trace_.add(told ? std::to_string(static_cast<int>(told->reply.status)) : "silence");
   }
 
   /// Of one module after the other, for as long as anybody calls.
@@ -243,7 +315,7 @@ class World {
     const auto& modules = wire.bench().modules();
     while (true) {
       co_await rest(on_before + std::chrono::milliseconds(random.between(0, 3'000)));
-      if (ended_ == trouble_.clients) break;
+      if (has_ended()) break;
       const auto last = static_cast<std::int64_t>(modules.size()) - 1;
       auto& module = *modules[static_cast<std::size_t>(random.between(0, last))];
       const auto address = address_of(module);
@@ -257,7 +329,7 @@ class World {
   /// Of the whole process, for longer than a second, and now and then.
   boost::asio::awaitable<void> stand_still() {
     auto random = generator(seed_, "gaps");
-    while (ended_ < trouble_.clients) {
+    while (!has_ended()) {
       co_await rest(std::chrono::milliseconds(random.between(500, 8'000)));
       const tmcl::Duration duration = std::chrono::milliseconds(random.between(1'201, 4'000));
       time_.freeze_for(duration);
@@ -323,7 +395,6 @@ class World {
 
   /// No two clients ask for the same: of two at once the ledger could not tell which was sent.
   static std::int32_t of_client(std::int64_t value, int client) {
-    constexpr int most_clients = 8;
     return static_cast<std::int32_t>(value - value % most_clients + client);
   }
   static std::int32_t far(Random& random, int client) {
@@ -495,6 +566,8 @@ class World {
   std::optional<tmcl::Request> last_position_;  ///< That the line's module was sent to.
   std::int32_t told_before_ = 0;
   int ended_ = 0;
+  bool hosts_ended_ = false;
+  std::size_t done_for_hosts_ = 0;
   bool all_ended_ = false;
   bool journeys_ended_ = false;
   std::vector<std::string> turning_;
