@@ -302,6 +302,15 @@ PathRun::OnProgress path_progress_to(const Call& call) {
   };
 }
 
+path::Curve seen_of(const std::vector<plan::SeenPlace>& seen, std::size_t axes) {
+  path::Curve curve;
+  for (const auto& [at_s, place] : seen) {
+    curve.times_s.push_back(at_s);
+    curve.positions.push_back(to_list(place, axes));
+  }
+  return curve;
+}
+
 path::Passage passage_of(const PathRun& run, double tolerance) {
   const auto& report = run.report();
   const auto a_second = [&](double count) {
@@ -328,6 +337,7 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
   if (report.largest_off > tolerance)
     passage.tolerance_exceeded_by = report.largest_off - tolerance;
   passage.remarks = remarks_of(run);
+  if (!report.seen.empty()) passage.seen = seen_of(report.seen, names.size());
   return passage;
 }
 
@@ -374,7 +384,8 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   auto planning =
       params.plan ? planned_before(call, params) : plan_for(call, params, false, std::move(look));
   auto planned = co_await must(std::move(planning));
-  const auto place = place_for(call, planned.course.bytes());
+  const auto most_seen = static_cast<std::size_t>(params.points.value_or(0));
+  const auto place = place_for(call, planned.course.bytes() + most_seen * sizeof(plan::SeenPlace));
   if (!place) {
     if (params.plan) keep_again(call, std::move(planned));
     co_return tl::unexpected(place.error());
@@ -389,6 +400,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
     members.push_back({axis, axis->begin_movement(call.permit, {})});
   auto options = options_of(planned.request);
   options.to_start = params.to_start.value_or(false);
+  options.most_seen = most_seen;
 
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run = std::make_shared<PathRun>(executor, std::move(planned.course),

@@ -77,7 +77,7 @@ inline const std::vector<MethodCall> all{
     {"line.move", R"({"axes":["y","z"],"positions_microsteps":[2000,-500]})", {}, {1, 2}},
     {"path.stage", R"({"offset":0,"data":"4731205831"})"},
     {"path.plan", R"({"axes":["x","y"],"text":"G1 X10 F1200\nG1 Y5\n","points":3})"},
-    {"path.run", R"({"axes":["x","y"],"text":"G91\nG1 X1 F1200\nG1 Y1\n"})", {}, {0, 1}},
+    {"path.run", R"({"axes":["x","y"],"text":"G91\nG1 X1 F1200\nG1 Y1\n","points":9})", {}, {0, 1}},
     {"path.pause", R"({"axes":["y"]})", {long_path}, {1}},
     {"path.resume", R"({"axes":["y"]})", {long_path}, {1}},
     {"path.status", R"({"axes":["y"]})", {long_path}, {1}},

@@ -51,6 +51,7 @@ class StreamBench {
   std::function<std::optional<tmcl::Result<std::int32_t>>(const DriveCommand&)> instead =
       [](const auto&) { return std::nullopt; };
   double most_deviation = 1;
+  std::size_t most_seen = 0;
   std::optional<Shaping> shaping;
   std::vector<DriveCommand> commands;
 
@@ -145,7 +146,7 @@ class StreamBench {
     course_ = std::move(*course);
   }
   StreamOptions options_for(StreamMode mode) const {
-    return {.mode = mode, .most_deviation = most_deviation};
+    return {.mode = mode, .most_deviation = most_deviation, .most_seen = most_seen};
   }
   std::vector<Setting> settings(std::uint8_t axis) {
     std::vector<Setting> all;

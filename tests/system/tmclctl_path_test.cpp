@@ -10,6 +10,7 @@
 namespace tmcl::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// A TMCM-6212, and a folder for files.
@@ -61,7 +62,8 @@ const std::string on_both_axes = " --axis X=1/0 --axis Y=1/1 --per-turn 5 ";
 // legs are short, is passed on virtual time: see GalleryCircle.
 TEST_F(PathBench, ACircleOfGcode) {
   const auto part = written("circle.ngc", circle);
-  const auto ran = ctl("--json path run " + part + on_both_axes + "--period 100 --deviation 12");
+  const auto ran = ctl("--json path run " + part + on_both_axes +
+                       "--period 100 --deviation 12 --svg '" + file("path.svg") + "'");
   ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
   const auto document = boost::json::parse(ran.out).as_object();
   const auto& tracking = document.at("tracking_error").as_array();
@@ -69,6 +71,9 @@ TEST_F(PathBench, ACircleOfGcode) {
   EXPECT_GT(tracking[0].at("readings").to_number<int>(), 5);
   EXPECT_GT(document.at("commands_per_s").to_number<double>(), 1);
   EXPECT_GT(document.at("passed_s").to_number<double>(), 1.2);
+  EXPECT_FALSE(document.contains("seen"));
+  EXPECT_THAT(contents(file("path.svg")), AllOf(HasSubstr(">seen</text>"), HasSubstr("<circle"),
+                                                HasSubstr(" off the path, at ")));
   EXPECT_EQ(get("1/0", "1"), "10240\n");
   EXPECT_EQ(get("1/1", "1"), "0\n");
   EXPECT_EQ(get("1/0", "20"), "10\n");

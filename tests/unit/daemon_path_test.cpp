@@ -41,6 +41,24 @@ TEST_P(DaemonPathInEachMode, APathIsPassedToItsExactEnd) {
   expect_rest_and_own_settings();
 }
 
+TEST_P(DaemonPathInEachMode, SaysWhereItsAxesWereSeenIfAskedTo) {
+  auto more = in_mode();
+  more["points"] = 20;
+  const auto id = client->send("path.run", order(short_way, more));
+  const auto report = client->answer_to(id).at("result").as_object();
+  const auto& seen = report.at("seen").as_object();
+  const auto& places = seen.at("positions").as_array();
+  ASSERT_GT(places.size(), 1U);
+  EXPECT_LE(places.size(), 20U);
+  EXPECT_EQ(seen.at("times_s").as_array().size(), places.size());
+  for (const auto& place : places) {
+    EXPECT_GT(place.at(0).to_number<double>(), -0.5);
+    EXPECT_LT(place.at(0).to_number<double>(), 9.5);
+  }
+  const auto without = client->send("path.run", order("G1 X1 Y1 F600\n", in_mode()));
+  EXPECT_TRUE(client->answer_to(without).at("result").at("seen").is_null());
+}
+
 TEST_P(DaemonPathInEachMode, SaysByHowMuchATightToleranceWasExceeded) {
   auto more = in_mode();
   more["tolerance"] = 1e-7;

@@ -91,6 +91,24 @@ TEST_P(EachMode, ACircleStaysWithinItsTolerance) {
   expect_as_before();
 }
 
+TEST_P(EachMode, KeepsSomeOfThePlacesWhereTheAxesWereSeen) {
+  EXPECT_TRUE(pass().seen.empty());
+  bench.most_seen = 40;
+  const auto report = pass();
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  const auto& seen = report.seen;
+  ASSERT_GE(seen.size(), bench.most_seen / 2);
+  EXPECT_LE(seen.size(), bench.most_seen);
+  EXPECT_LT(seen.front().at_s, 0.1 * report.passed_s);
+  EXPECT_GT(seen.back().at_s, 0.9 * report.passed_s);
+  EXPECT_TRUE(std::ranges::is_sorted(seen, {}, &SeenPlace::at_s));
+  constexpr double chords = 0.005;
+  for (const auto& [at_s, place] : seen) {
+    const double off = std::hypot(place[0] - radius, place[1]) - radius;
+    EXPECT_LT(std::abs(off), report.largest_off + chords) << at_s;
+  }
+}
+
 // Being late alone is no distance from the path.
 TEST_P(EachMode, TellsHowFarFromThePathTheAxesWereAndHowLateOnIt) {
   const auto whole = pass();

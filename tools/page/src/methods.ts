@@ -897,10 +897,12 @@ export interface Methods {
       resonance_hz?: number;
       /** of those swings, 0 to less than 1; 0.05 if absent */
       damping?: number;
-      /** what path.plan has planned, instead of all but to_start */
+      /** what path.plan has planned, instead of all but to_start and points */
       plan?: number;
       /** whether the axes go to the start first; they must stand there if absent */
       to_start?: boolean;
+      /** how many of the places where the axes are seen are given, to draw them; none if absent */
+      points?: number;
     };
     result: {
       /** how long it took */
@@ -942,6 +944,13 @@ export interface Methods {
       tolerance_exceeded_by: number | null;
       /** what else is to be said, such as of a parameter not set back */
       remarks: string[];
+      /** where the axes were seen, over the course; null unless points are asked for */
+      seen: {
+        /** of its points */
+        times_s: number[];
+        /** of each axis at each of them */
+        positions: number[][];
+      } | null;
       /** warnings about the settings of its axes, and what of the file is not carried out */
       warnings: string[];
       /** what was expected before it began, as path.plan says; empty of a path that was planned before */

@@ -784,12 +784,14 @@ class PathRun(Record):
     tolerance_exceeded_by: float | None = None
     #: what else is to be said, such as of a parameter not set back
     remarks: tuple[str, ...] = ()
+    #: where the axes were seen, over the course; null unless points are asked for
+    seen: PathPlanCurve | None = None
     #: warnings about the settings of its axes, and what of the file is not carried out
     warnings: tuple[str, ...] = ()
     #: what was expected before it began, as path.plan says; empty of a path that was planned
     #: before
     expected: tuple[PathPlanExpected, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "expected": PathPlanExpected}
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "seen": PathPlanCurve, "expected": PathPlanExpected}
 
 
 @dataclass(frozen=True)
@@ -2089,10 +2091,11 @@ class Methods:
         damping: float | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
+        points: int | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start}))
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start, "points": points}))
 
     def path_pause(
         self,
@@ -3138,10 +3141,11 @@ class AsyncMethods:
         damping: float | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
+        points: int | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start}))
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start, "points": points}))
 
     async def path_pause(
         self,

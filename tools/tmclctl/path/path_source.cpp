@@ -62,6 +62,18 @@ std::string title(const std::string& file, const Course& course) {
                      figure(course.duration_s));
 }
 
+/// `second`: the axis that is drawn upwards.
+void add(const api::path::Passage& passage, std::size_t second, plot::Plane& plane) {
+  if (!passage.seen) return;
+  for (const auto& position : passage.seen->positions) {
+    plane.seen.x.push_back(position.at(0));
+    plane.seen.y.push_back(position.at(second));
+  }
+  plane.marked = {passage.off_path_at.at(0), passage.off_path_at.at(second),
+                  fmt::format("{} off the path, at {} s", figure(passage.off_path, 3),
+                              figure(passage.off_path_at_s, 4))};
+}
+
 std::string to_svg(const std::string& file, const Course& course, const Curve& curve,
                    const Drawn& drawn) {
   const auto& axes = course.axes;
@@ -71,6 +83,7 @@ std::string to_svg(const std::string& file, const Course& course, const Curve& c
     plane.planned.x.push_back(position.at(0));
     plane.planned.y.push_back(position.at(second));
   }
+  if (drawn.passage) add(*drawn.passage, second, plane);
   if (!drawn.shown.empty()) return plot::to_svg(plane, picture_of(course, curve, drawn));
   auto picture = picture_of(course, curve, {{plot::Quantity::position}, {}});
   picture.marks.clear();

@@ -47,6 +47,8 @@ void print(const tmcl::api::path::Shaping& shaping, Output& output);
 struct Drawn {
   plot::Shown shown{};               ///< Empty: their positions, and only in a file.
   std::vector<plot::Mark> phases{};  ///< Of the legs; without them the slowest corners are marked.
+  /// Of a path that was run: where its axes were seen, and where they were farthest off.
+  std::optional<tmcl::api::path::Passage> passage{};
 };
 /// Draws the path, x over y, above its axes over time.
 Result<void> draw(const std::string& svg_path, const std::string& file,

@@ -1,6 +1,7 @@
 /// Two axes in their plane: y over x, both on the same scale.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,20 @@ struct Way {
   std::vector<double> y;
 };
 
+struct MarkedPlace {
+  double x = 0;
+  double y = 0;
+  std::string label;
+};
+
 /// At least one of the two ways has points.
 struct Plane {
   std::string title;
   std::string x_name;  ///< With its unit: "x [mm]".
   std::string y_name;
-  Way planned;  ///< Drawn as a line, a dashed one if something was seen.
-  Way seen;     ///< Drawn as dots; one that would hide another is left out.
+  Way planned;                          ///< Drawn as a line, a dashed one if something was seen.
+  Way seen;                             ///< Drawn as dots; one that would hide another is left out.
+  std::optional<MarkedPlace> marked{};  ///< Of what was seen; drawn as a ring.
 };
 
 std::string to_svg(const Plane& plane);

@@ -22,6 +22,7 @@ constexpr double least_side = 110;
 // The way keeps clear of the frame.
 constexpr double plane_padding = 14;
 constexpr double dots_apart = 4;
+constexpr double ring_radius = 8;
 constexpr double tick_distance = 90;
 constexpr double far_away = 1e9;
 
@@ -72,7 +73,9 @@ class Drawing {
 
   static double width() { return plane_left + widest + right; }
   double height() const { return bottom() + below; }
-  std::string body() const { return frame() + grid() + names() + dots() + line() + legend(); }
+  std::string body() const {
+    return frame() + grid() + names() + dots() + line() + ring() + legend();
+  }
 
  private:
   double bottom() const { return top + y_.length(); }
@@ -147,6 +150,21 @@ class Drawing {
   static std::string dotted(const std::string& places) {
     return fmt::format("  <path class=\"curve position\" style=\"stroke-width: 5\" d=\"{}\"/>\n",
                        places);
+  }
+
+  // Its label is where there is more room.
+  std::string ring() const {
+    if (!plane_.marked) return "";
+    const double x = x_of(plane_.marked->x);
+    const double y = y_of(plane_.marked->y);
+    const bool is_right = x > plane_left + x_.length() / 2;
+    const double beside = ring_radius + 5;
+    return fmt::format(
+        "  <circle class=\"curve difference\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\"/>\n"
+        "  <text class=\"difference\" style=\"text-anchor: {}\" x=\"{:.1f}\" "
+        "y=\"{:.1f}\">{}</text>\n",
+        x, y, ring_radius, is_right ? "end" : "start", is_right ? x - beside : x + beside, y + 4,
+        escape_xml(plane_.marked->label));
   }
 
   /// At the right, above the widest frame.

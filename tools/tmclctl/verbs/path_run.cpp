@@ -115,7 +115,7 @@ void show(const api::PathProgress& news, ProgressLine& line) {
                         static_cast<int>(done * 100), (1 - done) * news.duration_s, news.phase));
 }
 
-PathEnd pass(const api::path::Planned& plan, Context& context) {
+PathEnd pass(const api::path::Planned& plan, bool is_drawn, Context& context) {
   ProgressLine progress(context.output);
   Steering steering(plan.axes, context);
   const tmcl::client::Hearing<api::PathProgress> hearing(
@@ -124,6 +124,7 @@ PathEnd pass(const api::path::Planned& plan, Context& context) {
   api::path::Run run;
   run.plan = plan.plan;
   run.to_start = true;
+  if (is_drawn) run.points = api::path::most_curve_points;
   auto report =
       context.call(run, {.timeout = longest_path_silence, .meanwhile = [&] { steering.look(); }});
   // What stopped it before its end has moved the axes, or not.
@@ -135,6 +136,21 @@ PathEnd pass(const api::path::Planned& plan, Context& context) {
 }
 
 // ---- how it went ----
+
+/// Also of a path that was ended early, where it had begun.
+api::path::Passage passage_in(const PathEnd& end) {
+  if (end.report) return *end.report;
+  return path::part_done<api::path::Passage>(end.report.error());
+}
+
+Result<void> draw(const verb::RunPath& verb, const api::path::Planned& plan,
+                  api::path::Passage passage = {}) {
+  if (verb.svg.empty()) return {};
+  path::Drawn drawn;
+  drawn.passage = std::move(passage);
+  return path::draw(verb.svg, verb.file, plan.course, plan.curve.value_or(api::path::Curve{}),
+                    drawn);
+}
 
 void print(const api::path::Passed& report, StreamMode mode, Output& output) {
   const bool by_position = mode == StreamMode::position;
@@ -155,11 +171,19 @@ void print(const api::path::Passed& report, StreamMode mode, Output& output) {
       report.commands_per_s, report.round_trip_us, 100 * report.bus_load);
 }
 
+/// Without what is in a drawing.
+boost::json::object document_of(api::path::Passed report) {
+  report.seen.reset();
+  auto document = api::to_json(report);
+  document.erase(api::name_of<&api::path::Passage::seen>());
+  return document;
+}
+
 Result<ExitCode> tell(PathEnd end, StreamMode mode, Output& output) {
   if (end.report) {
     warn(end.report->remarks, output);
     if (output.json) {
-      print_json(api::to_json(*end.report), output);
+      print_json(document_of(*end.report), output);
     } else {
       print(*end.report, mode, output);
     }
@@ -193,15 +217,14 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   const auto plan = plan_of(verb, context);
   if (!plan) return tl::unexpected(plan.error());
   warn(plan->warnings, context.output);
-  if (!verb.svg.empty()) {
-    const auto drawn =
-        path::draw(verb.svg, verb.file, plan->course, plan->curve.value_or(api::path::Curve{}));
-    if (!drawn) return tl::unexpected(drawn.error());
-  }
+  if (auto drawn = draw(verb, *plan); !drawn) return tl::unexpected(drawn.error());
   if (!verb.dry_run) {
     if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
     context.host.catch_pauses();
-    return tell(pass(*plan, context), verb.mode, context.output);
+    auto end = pass(*plan, !verb.svg.empty(), context);
+    const auto drawn = draw(verb, *plan, passage_in(end));
+    auto code = tell(std::move(end), verb.mode, context.output);
+    return drawn || !code ? code : tl::unexpected(drawn.error());
   }
   if (context.output.json) {
     auto document = api::to_json(plan->course);
@@ -235,6 +258,7 @@ and --feed are in the units of the file, or have a unit with them: 20mm/s, 500mm
                     there, only where its speed changes; no table with times
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
                     with times
+--svg draws the path, where the axes were seen on it, and a ring where they were farthest off.
 --shape lets loads that swing hardly swing after the path ('tmclctl path check --help' says how); --dry-run
 says what that costs. Not in position mode.
 Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it

@@ -61,6 +61,11 @@ struct Stage {
   TMCL_FIELD(std::string, data, data_summary);
 };
 
+struct Curve {
+  TMCL_STRUCT(Curve);
+  TMCL_FIELD(std::vector<double>, times_s, "of its points");
+  TMCL_FIELD(std::vector<std::vector<double>>, positions, "of each axis at each of them");
+};
 /// How far an axis was seen off its plan, in the unit of the file.
 struct Tracking {
   TMCL_STRUCT(Tracking);
@@ -94,6 +99,8 @@ struct Passage {
              "by how much off_path is more than the tolerance, at least; null if it is not");
   TMCL_FIELD(std::vector<std::string>, remarks,
              "what else is to be said, such as of a parameter not set back");
+  TMCL_FIELD(std::optional<Curve>, seen,
+             "where the axes were seen, over the course; null unless points are asked for");
 };
 /// What the axes are expected to make of it in a mode, by their twins.
 struct Expected {
@@ -185,11 +192,6 @@ struct Course {
   TMCL_FIELD(std::vector<CourseAxis>, axes, "of the file");
   TMCL_FIELD(std::vector<Corner>, slowest_corners, "where it gets slowest; five at most");
 };
-struct Curve {
-  TMCL_STRUCT(Curve);
-  TMCL_FIELD(std::vector<double>, times_s, "of its points");
-  TMCL_FIELD(std::vector<std::vector<double>>, positions, "of each axis at each of them");
-};
 struct ShapedAxis {
   TMCL_STRUCT(ShapedAxis);
   TMCL_FIELD(std::string, axis, "of the file");
@@ -233,9 +235,13 @@ struct Run : OfPath {
       "moves axes along a path and answers at its end; tells its progress by notify_progress", Run,
       OfPath);
   TMCL_FIELD(std::optional<std::int32_t>, plan,
-             "what path.plan has planned, instead of all but to_start");
+             "what path.plan has planned, instead of all but to_start and points");
   TMCL_FIELD(std::optional<bool>, to_start,
              "whether the axes go to the start first; they must stand there if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, points,
+             "how many of the places where the axes are seen are given, to draw them; none if "
+             "absent",
+             {0, most_curve_points});
 };
 
 /// The paths of some axes.

@@ -81,6 +81,9 @@ struct StreamOptions {
   double even_within = 0.005;
   /// Brings the axes to the start of the course first; otherwise they must stand there.
   bool to_start = false;
+  /// Of the places where the axes are seen so many are kept. Of more, every second is left out,
+  /// over the whole course.
+  std::size_t most_seen = 0;
 };
 
 struct AxisTracking {
@@ -88,6 +91,11 @@ struct AxisTracking {
   double largest = 0;  ///< The largest difference between reading and course, in units.
   double squares = 0;
   double rms() const;
+};
+
+struct SeenPlace {
+  double at_s = 0;  ///< In seconds of the course.
+  AxisValues place{};
 };
 
 struct StreamReport : DriveReport {
@@ -104,6 +112,7 @@ struct StreamReport : DriveReport {
   double largest_off_at_s = 0;  ///< When that was, in seconds of the course.
   AxisValues largest_off_at{};  ///< Where the axes were then.
   double largest_lag_s = 0;     ///< Along it: how late the axes were at most.
+  std::vector<SeenPlace> seen;  ///< In the order of time.
 };
 
 /// What part of the planned speed a course may be passed with, if another one is asked for.

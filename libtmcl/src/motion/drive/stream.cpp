@@ -55,6 +55,7 @@ StreamRunner::StreamRunner(const Course& course, std::vector<StreamAxis> axes,
       told_(axes_.size()),
       clock_(course_) {
   report_.axes.resize(axes_.size());
+  report_.seen.reserve(options_.most_seen);
 }
 
 void StreamRunner::on_answered(Duration took) {
@@ -182,10 +183,23 @@ void StreamRunner::note_place_on_path() {
     place[axis] = planned_position(axis) + off_plan_[axis];
   const auto [off, lag] = place_on_path(course_, clock_.passed(), place, report_.largest_off);
   report_.largest_lag_s = std::max(report_.largest_lag_s, lag);
+  keep(place);
   if (off <= report_.largest_off) return;
   report_.largest_off = off;
   report_.largest_off_at_s = passed();
   report_.largest_off_at = place;
+}
+
+void StreamRunner::keep(const AxisValues& place) {
+  if (options_.most_seen == 0 || ++readings_since_kept_ < readings_for_each_kept_) return;
+  readings_since_kept_ = 0;
+  auto& seen = report_.seen;
+  if (seen.size() == options_.most_seen) {
+    for (std::size_t i = 0; i < seen.size() / 2; ++i) seen[i] = seen[2 * i];
+    seen.resize(seen.size() / 2);
+    readings_for_each_kept_ *= 2;
+  }
+  seen.push_back({passed(), place});
 }
 
 // Whether it does what it was told last.

@@ -94,8 +94,11 @@ class StreamRunner : public DriveRunner {
   Script<Fault> check_all();
   Fault take_reading(std::size_t axis);
   void note_place_on_path();
+  void keep(const AxisValues& place);
 
   AxisValues off_plan_{};  // of each axis, as it was read last
+  std::size_t readings_for_each_kept_ = 1;
+  std::size_t readings_since_kept_ = 0;
   Phase phase_ = Phase::before;
 };
 
