@@ -1,6 +1,7 @@
 // What every test of the page needs: simulated modules, a tmcld on them, and a browser that looks at its page.
 import { spawn } from "node:child_process";
 import { cp, mkdtemp, rm, writeFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { createConnection, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -45,7 +46,7 @@ async function freePort() {
   return port;
 }
 
-const axis = (name, motor) => `[[axis]]
+export const axis = (name, motor) => `[[axis]]
 name = "${name}"
 bus = "bench"
 address = 1
@@ -184,4 +185,17 @@ export async function signIn(page, token) {
 export async function move(page, name, to) {
   await card(page, name).getByRole("textbox").fill(to);
   await button(card(page, name), "Move").click();
+}
+
+/** What axe-core has against a page that was opened with bypassCSP, in light and in dark. */
+export async function seriousFindings(page) {
+  await page.addScriptTag({ path: createRequire(import.meta.url).resolve("axe-core") });
+  const found = [];
+  for (const colorScheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme });
+    const { violations } = await page.evaluate(() => window.axe.run());
+    const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
+    found.push(...serious.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`));
+  }
+  return found;
 }

@@ -1,10 +1,9 @@
 // The page as people use it: a browser, a tmcld, and simulated modules.
 import assert from "node:assert/strict";
 import { readFile, rename, rm, writeFile } from "node:fs/promises";
-import { createRequire } from "node:module";
 import { join } from "node:path";
 import { after, afterEach, beforeEach, describe, it } from "node:test";
-import { Bench, Cable, button, card, closeBrowser, move, open, signIn, until } from "./bench.mjs";
+import { Bench, Cable, button, card, closeBrowser, move, open, seriousFindings, signIn, until } from "./bench.mjs";
 
 let bench;
 after(closeBrowser);
@@ -123,13 +122,7 @@ describe("a page that needs no token", () => {
   it("can be read by a screen reader", async () => {
     const reader = await open(bench.url, { bypassCSP: true });
     await card(reader, "x").waitFor();
-    await reader.addScriptTag({ path: createRequire(import.meta.url).resolve("axe-core") });
-    for (const colorScheme of ["light", "dark"]) {
-      await reader.emulateMedia({ colorScheme });
-      const { violations } = await reader.evaluate(() => window.axe.run());
-      const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
-      assert.deepEqual(serious.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`), []);
-    }
+    assert.deepEqual(await seriousFindings(reader), []);
     await reader.context().close();
   });
 

@@ -1,0 +1,26 @@
+import type { ComponentChildren } from "preact";
+
+interface TableOf {
+  caption: string;
+  heads: string[];
+  children: ComponentChildren;
+}
+
+/** It scrolls in a frame of its own where it is wider or longer than the screen; the frame takes the keys for that. */
+export function Table({ caption, heads, children }: TableOf) {
+  return (
+    <div class="table" role="group" aria-label={caption} tabIndex={0}>
+      <table>
+        <caption>{caption}</caption>
+        <thead>
+          <tr>
+            {heads.map((head) => (
+              <th scope="col">{head}</th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>{children}</tbody>
+      </table>
+    </div>
+  );
+}
