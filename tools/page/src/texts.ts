@@ -149,6 +149,65 @@ export const texts = {
   finding: "Finding",
   cure: "What to try",
 
+  axisOfModule: (axis: string, bus: string, address: number, model: string) => `${axis} · ${bus}:${address} ${model}`,
+  none: "none",
+  closedSwitches: "Closed switches",
+  switchNames: { left: "left limit", right: "right limit", home: "home" } as Record<string, string>,
+  unproven: (fault: string) => `${fault} (not certain yet)`,
+  supply: "Supply",
+  temperature: "Temperature",
+
+  parameter: "Parameter",
+  parametersOf: (axis: string) => `Parameters of ${axis}`,
+  parametersHelp:
+    "A number is in the unit of the table, a text such as 5mm/s has its own. " +
+    "What is set holds until the module loses its supply, unless it is stored.",
+  readAgain: "Read again",
+  range: "Range",
+  rangeOf: (least: number, greatest: number) => `${least} .. ${greatest}`,
+  unit: "Unit",
+  inUnit: "In the axis' unit",
+  valueOf: (parameter: string) => `Value of ${parameter}`,
+  set: "Set",
+  isSet: "Set",
+  store: "Store",
+  storeOf: (parameter: string) => `Store ${parameter}`,
+  isStored: "Stored",
+
+  settings: "Settings",
+  saveSettings: "Save settings",
+  compareSettings: "Compare with a file",
+  compared: (file: string, count: number) => (count === 0 ? `The module is as ${file} says` : `${count} settings are not as ${file} says`),
+  differences: "What is different",
+  fileTooLong: (name: string, most: number) => `${name} is too long: files of modules have ${most} bytes at most`,
+  section: "Section",
+  inModule: "In the module",
+  inFile: "In the file",
+
+  program: "Program",
+  programHelp:
+    "A program moves motors by itself. Stop program ends it, and motors that it has started go on: " +
+    "Stop all stops them. `tmclctl program assemble` makes the file.",
+  readProgram: "Read program",
+  loadProgram: "Load a program file",
+  programLoaded: (file: string, commands: number) => `${file} is in the module: ${commands} commands`,
+  programStates: { stopped: "stopped", running: "running", stepping: "is executed step by step", reset: "at its start" } as Record<string, string>,
+  programStatus: (state: string, next: number | null) => (next === null ? `Program: ${state}` : `Program: ${state}; next address ${next}`),
+  programActions: {
+    "program.run": "Run program",
+    "program.stop": "Stop program",
+    "program.step": "Step",
+    "program.reset": "Reset program",
+  },
+  programAddress: "Address",
+  command: "Command",
+  type: "Type",
+  motor: "Motor",
+  breakpoint: "Breakpoint",
+  breakpointSet: "stops here",
+  breakpointClear: "–",
+  breakAt: (address: number) => `Breakpoint at ${address}`,
+
   deadmen: { unknown: "not known", none: "none", measured: (ms: number) => `after ${ms} ms, measured` } as const,
 
   stopCauses: {

@@ -13,6 +13,7 @@ import {
 } from "../scope";
 import { texts } from "../texts";
 import { colours } from "./colours";
+import { saveFile } from "./save_file";
 
 /** Values of axes over time. */
 export function Scope() {
@@ -73,11 +74,7 @@ function AddTrace() {
 }
 
 function Controls() {
-  const save = () => {
-    const url = URL.createObjectURL(new Blob([csv(texts.time)], { type: "text/csv" }));
-    Object.assign(document.createElement("a"), { href: url, download: "scope.csv" }).click();
-    URL.revokeObjectURL(url);
-  };
+  const save = () => saveFile("scope.csv", csv(texts.time), "text/csv");
   return (
     <div class="row">
       <button onClick={() => (isPaused.value = !isPaused.value)}>{isPaused.value ? texts.resume : texts.pause}</button>

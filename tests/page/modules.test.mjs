@@ -1,0 +1,231 @@
+// The part of the page about modules: faults, parameters, settings and programs.
+import assert from "node:assert/strict";
+import { spawnSync } from "node:child_process";
+import { readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import { after, afterEach, beforeEach, describe, it } from "node:test";
+import { Bench, button, closeBrowser, open, seriousFindings, signIn, until } from "./bench.mjs";
+
+let bench, page;
+after(closeBrowser);
+afterEach(async () => {
+  assert.deepEqual(page.complaints, []);
+  await page.context().close();
+  await bench.end();
+});
+
+const row = (name) => page.locator(`[data-parameter=${name}]`);
+const field = (name) => page.getByLabel(`Value of ${name}`);
+const valueOf = async (parameter) => (await bench.call("parameter.get", { axis: "x", parameter })).value;
+const part = (name) => page.getByRole("region", { name, exact: true });
+
+async function set(name, text) {
+  await field(name).fill(text);
+  await button(row(name), "Set").click();
+}
+
+describe("the parameters of a module", () => {
+  beforeEach(async () => {
+    bench = await Bench.create();
+    page = await open(`${bench.url}/?tab=modules`);
+    await until("values", async () => (await field("max_current").inputValue()) !== "");
+  });
+
+  it("are shown with what they mean, and changed", async () => {
+    const words = await row("max_current").textContent();
+    assert.match(words, /0 \.\. 255/);
+    assert.equal(Number(await field("max_current").inputValue()), await valueOf("max_current"));
+    await set("max_current", "77");
+    await row("max_current").getByRole("status").waitFor();
+    assert.equal(await valueOf("max_current"), 77);
+    await set("max_velocity", "5mm/s");
+    await row("max_velocity").getByRole("status").waitFor();
+    const { value_in_unit } = await bench.call("parameter.get", { axis: "x", parameter: "max_velocity" });
+    assert.ok(Math.abs(value_in_unit - 5) < 0.1);
+  });
+
+  it("are refused at their field when they are out of range", async () => {
+    const before = await valueOf("max_current");
+    await set("max_current", "256");
+    await row("max_current").getByRole("alert").getByText("256 is outside 0..255").waitFor();
+    assert.equal(await field("max_current").getAttribute("aria-invalid"), "true");
+    assert.equal(await page.getByRole("alert").count(), 1);
+    assert.equal(await valueOf("max_current"), before);
+    await set("max_current", "12");
+    await row("max_current").getByRole("alert").waitFor({ state: "detached" });
+  });
+
+  it("are stored in the module", async () => {
+    await set("max_current", "77");
+    await row("max_current").getByText("Set", { exact: true }).last().waitFor();
+    await button(page, "Store max_current").click();
+    await row("max_current").getByText("Stored").waitFor();
+    await bench.call("parameter.set", { axis: "x", parameter: "max_current", value: 5 });
+    await bench.call("parameter.restore", { axis: "x", parameter: "max_current" });
+    assert.equal(await valueOf("max_current"), 77);
+  });
+
+  it("are not offered to be changed when they can only be read, or move the motor", async () => {
+    for (const name of ["actual_velocity", "target_position", "actual_position", "target_velocity"]) {
+      await row(name).waitFor();
+      assert.equal(await row(name).getByRole("textbox").count(), 0, name);
+    }
+    assert.equal(await button(page, "Store target_position").count(), 0);
+  });
+
+  it("are found by a filter", async () => {
+    await page.getByRole("textbox", { name: "Filter", exact: true }).fill("standby");
+    await row("actual_velocity").waitFor({ state: "detached" });
+    await row("standby_current").waitFor();
+  });
+
+  it("are those of the axis that is chosen", async () => {
+    await bench.call("parameter.set", { axis: "z", parameter: "max_current", value: 33 });
+    await part("Modules").getByLabel("Axis").selectOption("z");
+    await page.getByRole("table", { name: "Parameters of z" }).waitFor();
+    await until("its value", async () => (await field("max_current").inputValue()) === "33");
+  });
+});
+
+describe("the settings of a module", () => {
+  beforeEach(async () => {
+    bench = await Bench.create();
+    page = await open(`${bench.url}/?tab=modules`);
+  });
+
+  it("are saved as a file, and compared with it", async () => {
+    const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Save settings").click()]);
+    const file = join(bench.folder, "kept.toml");
+    await writeFile(file, await readFile(await download.path()));
+    const choose = () => page.getByLabel("Compare with a file").setInputFiles(file);
+    await choose();
+    await page.getByText("The module is as kept.toml says").waitFor();
+    const before = await valueOf("max_current");
+    await bench.call("parameter.set", { axis: "x", parameter: "max_current", value: before - 1 });
+    await choose();
+    const different = page.getByRole("table", { name: "What is different" }).locator("tbody tr");
+    await different.first().waitFor();
+    assert.deepEqual(await different.locator(":scope > *").allTextContents(), ["motor.0", "max_current", String(before - 1), String(before)]);
+    await writeFile(file, "this is no file of settings");
+    await choose();
+    await part("Settings").getByRole("alert").waitFor();
+    await writeFile(file, "#".repeat(100_000));
+    await choose();
+    await part("Settings").getByText(/kept.toml is too long/).waitFor();
+  });
+});
+
+describe("the program of a module", () => {
+  const program = () => part("Program");
+  const state = (word) => program().locator(`[data-state=${word}]`).waitFor();
+  const commands = () => page.getByRole("table", { name: "Program" }).locator("tbody tr");
+
+  /** As tmclctl makes it of a text. */
+  const load = async (text) => {
+    const source = join(bench.folder, "program.tmc");
+    const file = join(bench.folder, "program.bin");
+    await writeFile(source, text);
+    const { status, stderr } = spawnSync(join(process.env.TMCL_BIN, "tmclctl"), ["program", "assemble", source, "-o", file]);
+    assert.equal(status, 0, String(stderr));
+    await page.getByLabel("Load a program file").setInputFiles(file);
+    await page.getByText(/program.bin is in the module/).waitFor();
+  };
+  beforeEach(async () => {
+    bench = await Bench.create();
+    page = await open(`${bench.url}/?tab=modules`);
+  });
+
+  it("is loaded, runs, and is stopped", async () => {
+    await load("Loop: WAIT TICKS, 0, 10\nJA Loop\n");
+    assert.deepEqual(await commands().getByRole("rowheader").allTextContents(), ["WAIT", "JA"]);
+    await button(page, "Run program").click();
+    await state("running");
+    assert.equal((await bench.call("program.status", { bus: "bench", address: 1 })).state, "running");
+    assert.ok(await button(page, "Step").isDisabled());
+    await button(page, "Stop program").click();
+    await state("stopped");
+  });
+
+  it("is executed command by command, and stops at a breakpoint", async () => {
+    await load("SGP 1, 2, 5\nSGP 1, 2, 6\nSGP 1, 2, 7\nSTOP\n");
+    const next = (address) => page.locator("[aria-current=step]").getByRole("cell", { name: String(address), exact: true }).first().waitFor();
+    const variable = async () => (await bench.call("global.get", { bus: "bench", address: 1, bank: 2, parameter: 1 })).value;
+    await button(page, "Reset program").click();
+    await next(0);
+    await button(page, "Step").click();
+    await next(1);
+    assert.equal(await variable(), 5);
+    await button(page, "Breakpoint at 2").click();
+    await page.getByRole("button", { name: "Breakpoint at 2", pressed: true }).waitFor();
+    await button(page, "Run program").click();
+    await next(2);
+    assert.equal(await variable(), 6);
+  });
+
+  it("is read from the module", async () => {
+    await load("SGP 1, 2, -5\nSTOP\n");
+    await page.reload();
+    await button(page, "Read program").click();
+    await commands().getByRole("rowheader", { name: "STOP" }).waitFor();
+    assert.deepEqual(await commands().first().getByRole("cell").allTextContents(), ["0", "1", "2", "-5", "–"]);
+  });
+
+  it("is refused with the reason when the file is none", async () => {
+    const file = join(bench.folder, "none.bin");
+    await writeFile(file, "12345");
+    await page.getByLabel("Load a program file").setInputFiles(file);
+    await program().getByRole("alert").waitFor();
+    assert.equal(await commands().count(), 0);
+  });
+});
+
+describe("a module and its observers", () => {
+  it("are told faults in words, and names as text", async () => {
+    bench = await Bench.create();
+    page = await open("about:blank");
+    const html = '<img src="x" onerror="document.title = 1">';
+    await page.routeWebSocket("**/ws", (socket) => {
+      const tmcld = socket.connectToServer();
+      tmcld.onMessage((text) =>
+        socket.send(
+          text
+            .replace('"flags":[]', '"flags":["overtemperature","short_to_ground_b"]')
+            .replace(/"meaning":"[^"]*"/g, `"meaning":${JSON.stringify(html)}`),
+        ),
+      );
+    });
+    await page.goto(`${bench.url}/?tab=modules`);
+    await page.getByText("driver too hot, phase B shorted to ground").waitFor();
+    await page.getByText(html).first().waitFor();
+    assert.equal(await page.locator("img").count(), 0);
+    assert.equal(await page.title(), "tmcld");
+  });
+
+  for (const [role, offered] of [
+    ["observe", []],
+    ["operate", ["Set", "Run program"]],
+    ["configure", ["Set", "Run program", "Store max_current"]],
+  ]) {
+    it(`are offered by the role ${role} what it may do`, async () => {
+      bench = await Bench.create({ keys: "" });
+      page = await open(`${bench.url}/?tab=modules`);
+      await signIn(page, await bench.token(role, "lab"));
+      await row("max_current").waitFor();
+      await button(page, "Read program").waitFor();
+      for (const name of ["Set", "Run program", "Store max_current"]) {
+        assert.equal((await button(page, name).count()) > 0, offered.includes(name), name);
+      }
+      assert.equal(await page.getByLabel("Load a program file").count(), role === "configure" ? 1 : 0);
+    });
+  }
+
+  it("go on a phone, and by a screen reader", async () => {
+    bench = await Bench.create();
+    page = await open(`${bench.url}/?tab=modules`, { bypassCSP: true, viewport: { width: 360, height: 640 } });
+    await page.getByRole("textbox", { name: "Filter", exact: true }).fill("max_current");
+    await row("max_current").waitFor();
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
+    await button(page, "Read program").click();
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+});
