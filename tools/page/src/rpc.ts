@@ -5,18 +5,24 @@ import { texts } from "./texts";
 export type Params<M extends keyof Methods> = Methods[M]["params"];
 export type Answer<M extends keyof Methods> = Methods[M]["result"];
 
+/** Of what a call handed over. */
+export type Problem = { line: number; column: number; message: string };
+
+type ErrorData = { name?: string; hint?: string | null; param?: string; problems?: Problem[]; file_axis?: string | number };
+
 /** What tmcld says against a call; `name` is to branch on. */
 export class CallError extends Error {
   constructor(
     message: string,
     readonly name: string,
     readonly hint: string | null = null,
+    readonly data: ErrorData = {},
   ) {
     super(message);
   }
 
-  static of(error: { message: string; data?: { name?: string; hint?: string | null } }): CallError {
-    return new CallError(error.message, error.data?.name ?? "", error.data?.hint ?? null);
+  static of(error: { message: string; data?: ErrorData }): CallError {
+    return new CallError(error.message, error.data?.name ?? "", error.data?.hint ?? null, error.data ?? {});
   }
   /** For a person. */
   get text(): string {

@@ -1,0 +1,90 @@
+import { axes } from "../bench";
+import type { Plan } from "../path_job";
+import { texts } from "../texts";
+import { numberText, positionOf, unitOf } from "./number_text";
+
+/** What the plan says in numbers. */
+export function PathTables({ plan }: { plan: Plan }) {
+  const { course, expected, warnings } = plan;
+  return (
+    <>
+      <p>{texts.courseOf(numberText(course.length), numberText(course.duration_s), course.legs)}</p>
+      {warnings.map((warning) => (
+        <p class="problem">{warning}</p>
+      ))}
+      <Table
+        title={texts.pathBounds}
+        heads={[texts.fileAxisHead, texts.axis, texts.least, texts.greatest, texts.topSpeed, texts.now]}
+        rows={course.axes.map((one, index) => [
+          one.axis,
+          plan.axes[index] ?? "",
+          numberText(one.least),
+          numberText(one.greatest),
+          numberText(one.top_speed),
+          nowOf(plan.axes[index] ?? ""),
+        ])}
+      />
+      {course.slowest_corners.length > 0 && (
+        <Table
+          title={texts.slowestCorners}
+          heads={[texts.pathLine, texts.time, texts.pathFeed, texts.position]}
+          rows={course.slowest_corners.map((one) => [
+            String(one.line),
+            numberText(one.time_s),
+            numberText(one.speed),
+            one.position.map(numberText).join("; "),
+          ])}
+        />
+      )}
+      {expected.length > 0 && (
+        <Table
+          title={texts.expected}
+          heads={[texts.pathMode, texts.pathDeviation, texts.lag, texts.keepsTolerance]}
+          rows={expected.map((one) => [
+            one.mode,
+            one.refused === null ? numberText(one.off_path) : "–",
+            one.refused === null ? numberText(one.lag_s) : "–",
+            one.refused ?? (one.keeps_tolerance ? texts.yes : texts.no),
+          ])}
+        />
+      )}
+    </>
+  );
+}
+
+function nowOf(name: string): string {
+  const axis = axes.value.find((one) => one.info.name === name);
+  const position = axis ? positionOf(axis) : null;
+  return axis && position !== null ? `${numberText(position)} ${unitOf(axis)}` : "–";
+}
+
+interface TableOf {
+  title: string;
+  heads: string[];
+  rows: string[][];
+}
+
+/** Scrolls by itself where it is wider than the page. */
+export function Table({ title, heads, rows }: TableOf) {
+  return (
+    <div class="table" tabIndex={0} role="group" aria-label={title}>
+      <table>
+        <caption>{title}</caption>
+        <thead>
+          <tr>
+            {heads.map((head) => (
+              <th scope="col">{head}</th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((cells) => (
+            <tr>
+              {cells.map((cell, index) => (index === 0 ? <th scope="row">{cell}</th> : <td>{cell}</td>))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
