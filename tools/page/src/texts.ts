@@ -271,6 +271,26 @@ export const texts = {
   breakpointClear: "–",
   breakAt: (address: number) => `Breakpoint at ${address}`,
 
+  profilesHelp:
+    "The same move from rest with each ramp generator, as tmcld computes it: no module is needed. The address of the page has the set-up.",
+  distance: "Distance in µsteps",
+  registerOf: (name: string, unit: string) => `${name} (${unit})`,
+  sliderOf: (name: string) => `${name}, slider`,
+  noWholeNumber: "That is no whole number",
+  setOn: (axis: string) => `Set on ${axis}`,
+  isSetOn: (axis: string) => `${axis} is set`,
+  setUntil: (register: string, why: string) => `${register} and what follows it were not set: ${why}`,
+  results: "Results",
+  moduleOf: "Module",
+  moveTime: "Time of the move in s",
+  topSpeedPps: "Top speed in µsteps/s",
+  topAcceleration: "Greatest acceleration in µsteps/s²",
+  longestPhase: "Longest change of speed in s",
+  neverArrives: "does not arrive",
+  positionIn: "µsteps",
+  velocityIn: "µsteps/s",
+  accelerationIn: "µsteps/s²",
+
   deadmen: { unknown: "not known", none: "none", measured: (ms: number) => `after ${ms} ms, measured` } as const,
 
   stopCauses: {

@@ -2,6 +2,7 @@ import { axes } from "../bench";
 import type { Plan } from "../path_job";
 import { texts } from "../texts";
 import { numberText, positionOf, unitOf } from "./number_text";
+import { TextTable } from "./table";
 
 /** What the plan says in numbers. */
 export function PathTables({ plan }: { plan: Plan }) {
@@ -12,8 +13,8 @@ export function PathTables({ plan }: { plan: Plan }) {
       {warnings.map((warning) => (
         <p class="problem">{warning}</p>
       ))}
-      <Table
-        title={texts.pathBounds}
+      <TextTable
+        caption={texts.pathBounds}
         heads={[texts.fileAxisHead, texts.axis, texts.least, texts.greatest, texts.topSpeed, texts.now]}
         rows={course.axes.map((one, index) => [
           one.axis,
@@ -25,8 +26,8 @@ export function PathTables({ plan }: { plan: Plan }) {
         ])}
       />
       {course.slowest_corners.length > 0 && (
-        <Table
-          title={texts.slowestCorners}
+        <TextTable
+          caption={texts.slowestCorners}
           heads={[texts.pathLine, texts.time, texts.pathFeed, texts.position]}
           rows={course.slowest_corners.map((one) => [
             String(one.line),
@@ -37,8 +38,8 @@ export function PathTables({ plan }: { plan: Plan }) {
         />
       )}
       {expected.length > 0 && (
-        <Table
-          title={texts.expected}
+        <TextTable
+          caption={texts.expected}
           heads={[texts.pathMode, texts.pathDeviation, texts.lag, texts.keepsTolerance]}
           rows={expected.map((one) => [
             one.mode,
@@ -56,35 +57,4 @@ function nowOf(name: string): string {
   const axis = axes.value.find((one) => one.info.name === name);
   const position = axis ? positionOf(axis) : null;
   return axis && position !== null ? `${numberText(position)} ${unitOf(axis)}` : "–";
-}
-
-interface TableOf {
-  title: string;
-  heads: string[];
-  rows: string[][];
-}
-
-/** Scrolls by itself where it is wider than the page. */
-export function Table({ title, heads, rows }: TableOf) {
-  return (
-    <div class="table" tabIndex={0} role="group" aria-label={title}>
-      <table>
-        <caption>{title}</caption>
-        <thead>
-          <tr>
-            {heads.map((head) => (
-              <th scope="col">{head}</th>
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          {rows.map((cells) => (
-            <tr>
-              {cells.map((cell, index) => (index === 0 ? <th scope="row">{cell}</th> : <td>{cell}</td>))}
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </div>
-  );
 }

@@ -24,3 +24,22 @@ export function Table({ caption, heads, children }: TableOf) {
     </div>
   );
 }
+
+interface TextTableOf {
+  caption: string;
+  heads: string[];
+  rows: string[][];
+}
+
+/** The first cell of a row is its name. */
+export function TextTable({ caption, heads, rows }: TextTableOf) {
+  return (
+    <Table caption={caption} heads={heads}>
+      {rows.map((cells) => (
+        <tr>
+          {cells.map((cell, index) => (index === 0 ? <th scope="row">{cell}</th> : <td>{cell}</td>))}
+        </tr>
+      ))}
+    </Table>
+  );
+}

@@ -1,0 +1,20 @@
+import { useEffect, useRef } from "preact/hooks";
+import { simulations } from "../profiles";
+
+/** Position, velocity and acceleration; what draws is loaded when it is wanted. */
+export function ProfilePlots() {
+  const place = useRef<HTMLDivElement>(null);
+  const shown = simulations.value;
+  useEffect(() => {
+    let end = () => {};
+    let isGone = false;
+    void import("./profile_plot").then(({ drawProfiles }) => {
+      if (!isGone) end = drawProfiles(place.current!, shown);
+    });
+    return () => {
+      isGone = true;
+      end();
+    };
+  }, [shown]);
+  return <div class="plot" ref={place} />;
+}
