@@ -106,6 +106,12 @@ status, stop and errors with their causes. Other clients of tmcld use the
 same axes beside it."
   DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" RECOMMENDS tmcld EXTRA postinst prerm)
 set(CPACK_DEBIAN_SECOP_PACKAGE_ARCHITECTURE all)
+tmcl_package(epics tmcl-ioc electronics "motors on TMCL modules as motor records of EPICS"
+  "tmcl-ioc is an EPICS IOC on caproto, which Debian does not have, with a
+record like a motor record for each axis of a tmcld: moves, jogs, alarms
+with their causes. Other clients of tmcld use the same axes beside it."
+  DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" RECOMMENDS tmcld EXTRA postinst prerm)
+set(CPACK_DEBIAN_EPICS_PACKAGE_ARCHITECTURE all)
 
 # Another name than CPackConfig.cmake, which would make CMake add its own target.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)

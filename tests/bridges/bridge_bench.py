@@ -63,9 +63,9 @@ class BridgeTest(unittest.TestCase):
         self.second = self.enterContext(self.bench.connect(patience=LONGEST_S))
         self.addCleanup(self.resume_simulator)
 
-    def start(self, *command):
+    def start(self, *command, **more):
         with open(self.bench.folder / "bridge.log", "ab") as log:
-            process = subprocess.Popen(command, stdout=log, stderr=log, env=os.environ)
+            process = subprocess.Popen(command, stdout=log, stderr=log, env=os.environ, **more)
         self.addCleanup(self.end, process)
         return process
 
