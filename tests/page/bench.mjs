@@ -96,12 +96,13 @@ export class Bench {
       connection.on("error", reject);
       connection.on("data", (data) => {
         text += data;
-        const lines = text.split("\n");
-        if (lines.length < 3) return; // the greeting, the answer, and nothing
+        // The greeting and news of its progress come before the answer; the last line is not whole.
+        const lines = text.split("\n").slice(0, -1).map((line) => JSON.parse(line));
+        const answer = lines.find((line) => line.id === 1);
+        if (!answer) return;
         connection.destroy();
-        const { result, error } = JSON.parse(lines[1]);
-        if (error) reject(new Error(error.message));
-        else resolve(result);
+        if (answer.error) reject(new Error(answer.error.message));
+        else resolve(answer.result);
       });
       connection.write(JSON.stringify({ jsonrpc: "2.0", id: 1, method, params }) + "\n");
     });
