@@ -37,6 +37,9 @@ TICK_S = 0.1
 LEASES = ("move", "session")
 #: Faults that a module does not recover from by itself; others are warnings.
 BROKEN = {"overtemperature", "short_to_ground_a", "short_to_ground_b", "undervoltage", "overvoltage"}
+#: Why an axis stands short of its target, where that was not wanted.
+LIMITS = {"left_limit", "right_limit", "search_limit"}
+ALARMING = LIMITS | {"stall", "deviation", "deadman", "supply"}
 
 
 @dataclass(frozen=True)
