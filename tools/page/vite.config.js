@@ -13,6 +13,9 @@ function filesIn(folder) {
   });
 }
 
+// Of all files together, compressed: also a slow network shows the page at once.
+const mostBytes = 150_000;
+
 function compressed() {
   let folder;
   return {
@@ -30,6 +33,7 @@ function compressed() {
         writeFileSync(`${path}.br`, brotli);
         total += gzip.length;
       }
+      if (total > mostBytes) throw new Error(`the page has ${total} bytes, compressed; ${mostBytes} at most`);
       console.log(`compressed with gzip: ${(total / 1000).toFixed(1)} kB in all`);
     },
   };
