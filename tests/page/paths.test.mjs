@@ -96,6 +96,8 @@ describe("a path on the page", () => {
     await until("the tool is where the axes are", async () =>
       Math.abs(Number(await page.locator("circle.tool").getAttribute("cy")) + 10) < 0.1);
     assert.ok(await button(page, "Run").isDisabled(), "a plan is run once");
+    assert.equal(await page.locator("circle.farthest").count(), 1);
+    assert.ok((await page.locator("path.seen").getAttribute("d")).split("M").length > 5, "dots where they were seen");
   });
 
   it("stands when it is held, goes on, faster, and ends when it is stopped", async () => {
@@ -112,6 +114,7 @@ describe("a path on the page", () => {
     await button(page, "Stop all").click();
     await until("it has ended", async () => (await status()) === undefined);
     await page.getByRole("alert").waitFor();
+    assert.equal(await page.locator("circle.farthest").count(), 1, "also of a path that has ended early");
     await bench.stands("x");
     assert.ok((await position("x")) < 150);
   });

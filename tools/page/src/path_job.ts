@@ -6,6 +6,8 @@ import { CallError, textOf, type Answer, type Params, type Problem } from "./rpc
 import { texts } from "./texts";
 
 export type Plan = Answer<"path.plan">;
+/** Where the axes were seen on the path, and where they were farthest off. */
+export type Passage = Pick<Answer<"path.run">, "seen" | "off_path_at">;
 
 export const modes = ["velocity", "segments", "position"];
 
@@ -24,6 +26,8 @@ export const mayRun = signal(false);
 export const busy = signal<"" | "planning" | "running">("");
 export const problem = signal<{ text: string; lines: Problem[] } | null>(null);
 export const outcome = signal("");
+/** Of the plan that was run last. */
+export const passage = signal<Passage | null>(null);
 
 const pointsOfCurve = 2000;
 
@@ -33,6 +37,7 @@ effect(() => {
   assigned.value = {};
   fileAxes.value = [];
   plan.value = null;
+  passage.value = null;
   outcome.value = "";
   problem.value = null;
 });
@@ -55,6 +60,7 @@ export async function dryRun(): Promise<void> {
     const made = await call("path.plan", { ...(await request(chosen)), points: pointsOfCurve });
     if (chosen !== file.peek()) return;
     plan.value = made;
+    passage.value = null;
     fileAxes.value = made.course.axes.map((one) => one.axis);
     mayRun.value = [file.peek(), kind.peek(), settings.peek(), assigned.peek()].every((one, index) => one === wish[index]);
   });
@@ -66,7 +72,8 @@ export async function runPlan(toStart: boolean): Promise<void> {
   if (!wanted || !mayRun.peek()) return;
   mayRun.value = false;
   await carryOut("running", async () => {
-    const ran = await call("path.run", { plan: wanted.plan, to_start: toStart });
+    const ran = await call("path.run", { plan: wanted.plan, to_start: toStart, points: pointsOfCurve });
+    passage.value = ran;
     outcome.value = [texts.pathPassed(ran.passed_s, ran.off_path), ...ran.warnings, ...ran.remarks].join(". ");
   });
 }
@@ -97,6 +104,8 @@ async function carryOut(what: "planning" | "running", action: () => Promise<void
 function refuse(error: unknown): void {
   const data = error instanceof CallError ? error.data : {};
   problem.value = { text: textOf(error), lines: data.problems ?? [] };
+  // It has begun, and was ended early.
+  if (data.run?.seen) passage.value = data.run;
   // An axis of the file with a name of its own: a person says which one it is.
   const missing = data.file_axis;
   if (typeof missing === "string" && !fileAxes.peek().includes(missing)) fileAxes.value = [...fileAxes.peek(), missing];

@@ -8,7 +8,7 @@ export type Answer<M extends keyof Methods> = Methods[M]["result"];
 /** Of what a call handed over. */
 export type Problem = { line: number; column: number; message: string };
 
-type ErrorData = { name?: string; hint?: string | null; param?: string; problems?: Problem[]; file_axis?: string | number };
+type ErrorData = { name?: string; hint?: string | null; param?: string; problems?: Problem[]; file_axis?: string | number; run?: Answer<"path.run"> };
 
 /** What tmcld says against a call; `name` is to branch on. */
 export class CallError extends Error {

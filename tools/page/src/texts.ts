@@ -129,7 +129,7 @@ export const texts = {
   across: "Across",
   up: "Up",
   drawingOf: (across: string, up: string) => `The path, ${across} across and ${up} up; the tables beneath have its numbers`,
-  drawingHelp: "A ring is the start, red where the path is slowest, and a disc where the axes are.",
+  drawingHelp: "A ring is the start, red where the path is slowest, and a disc where the axes are. After a run dots are where they were seen, and a red ring is where they were farthest off.",
   courseOf: (length: string, seconds: string, legs: number) => `Length ${length}, time ${seconds} s, ${legs} legs`,
   pathBounds: "Bounds",
   fileAxisHead: "In the file",

@@ -1,13 +1,13 @@
 import { useState } from "preact/hooks";
 import { axes } from "../bench";
-import type { Plan } from "../path_job";
+import { passage, type Plan } from "../path_job";
 import { texts } from "../texts";
 import { numberText, positionOf } from "./number_text";
 
 const margin = 0.06;
 const sizeOfMark = 0.012;
 
-/** The path from above, or as two other axes see it; and where the axes are now. */
+/** The path from above, or as two other axes see it; where the axes are now, and where they were seen. */
 export function PathDrawing({ plan }: { plan: Plan }) {
   const names = plan.course.axes.map((one) => one.axis);
   const [across, setAcross] = useState(0);
@@ -19,6 +19,8 @@ export function PathDrawing({ plan }: { plan: Plan }) {
   const [toolX, toolY] = at(tool);
   const [startX, startY] = at(plan.curve.positions[0] ?? []);
   const mark = frame.size * sizeOfMark;
+  const seen = passage.value?.seen?.positions ?? [];
+  const [farthestX, farthestY] = at(passage.value?.off_path_at ?? []);
   return (
     <figure class="drawing">
       {names.length > 2 && (
@@ -29,6 +31,8 @@ export function PathDrawing({ plan }: { plan: Plan }) {
       )}
       <svg viewBox={frame.viewBox} role="img" aria-label={texts.drawingOf(names[across] ?? "", names[up] ?? "")}>
         <polyline class="way" points={plan.curve.positions.map((position) => at(position).join()).join(" ")} />
+        <path class="seen" d={seen.map((position) => `M${at(position).join(" ")}h0`).join("")} />
+        {seen.length > 0 && <circle class="farthest" cx={farthestX} cy={farthestY} r={mark * 1.5} />}
         <circle class="start" cx={startX} cy={startY} r={mark} />
         {plan.course.slowest_corners.map((corner) => {
           const [x, y] = at(corner.position);
