@@ -1,8 +1,7 @@
 // Files of paths on the page: dropped, planned, drawn, passed.
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
 import { after, afterEach, beforeEach, describe, it } from "node:test";
-import { Bench, button, closeBrowser, open, signIn, until } from "./bench.mjs";
+import { Bench, button, closeBrowser, open, seriousFindings, signIn, until } from "./bench.mjs";
 
 const square = "G21 G90\nF1200\nG1 X10 Y0\nG1 X10 Y10\nG1 X0 Y10\nM2\n";
 const longWay = "G21 G90\nF600\nG1 X150 Y0\nM2\n";
@@ -177,13 +176,7 @@ describe("a path on the page", () => {
     await show({ bypassCSP: true, viewport: { width: 360, height: 740 } });
     await choose("long.ngc", longWay);
     await unlessStarved(hold);
-    await page.addScriptTag({ path: createRequire(import.meta.url).resolve("axe-core") });
-    for (const colorScheme of ["light", "dark"]) {
-      await page.emulateMedia({ colorScheme });
-      const { violations } = await page.evaluate(() => window.axe.run());
-      const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
-      assert.deepEqual(serious.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`), []);
-    }
+    assert.deepEqual(await seriousFindings(page), []);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
   });
 });

@@ -1,8 +1,7 @@
 // Ramp generators on the page: the same move with each chip, as tmcld computes it.
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
 import { after, afterEach, beforeEach, describe, it } from "node:test";
-import { Bench, button, closeBrowser, open, signIn, until } from "./bench.mjs";
+import { Bench, button, closeBrowser, open, seriousFindings, signIn, until } from "./bench.mjs";
 
 let bench, page;
 after(closeBrowser);
@@ -139,13 +138,7 @@ describe("profiles", () => {
     for (const column of [0, 1, 2]) await isComputed(column);
     await value("TMC457", /^BOW_MAX /).fill("44");
     await page.getByRole("alert").waitFor();
-    await page.addScriptTag({ path: createRequire(import.meta.url).resolve("axe-core") });
-    for (const colorScheme of ["light", "dark"]) {
-      await page.emulateMedia({ colorScheme });
-      const { violations } = await page.evaluate(() => window.axe.run());
-      const serious = violations.filter((one) => ["serious", "critical"].includes(one.impact));
-      assert.deepEqual(serious.map((one) => `${one.id}: ${one.nodes.map((node) => node.html).join(" ")}`), []);
-    }
+    assert.deepEqual(await seriousFindings(page), []);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
   });
 });

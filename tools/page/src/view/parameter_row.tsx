@@ -2,9 +2,9 @@ import { useState } from "preact/hooks";
 import { may } from "../access";
 import { call } from "../bench";
 import { isEditable, setParameter, type ParameterInfo, type Reading } from "../parameters";
-import { textOf } from "../rpc";
 import { texts } from "../texts";
 import { numberText } from "./number_text";
+import { useOutcome } from "./use_outcome";
 
 interface ParameterRowOf {
   axis: string;
@@ -42,13 +42,7 @@ interface EditOf extends Omit<ParameterRowOf, "reading"> {
 /** What is typed stays until it is set, also when the value is read again. */
 function Edit({ axis, info, value, onRead }: EditOf) {
   const [typed, setTyped] = useState<string | null>(null);
-  const [problem, setProblem] = useState("");
-  const [note, setNote] = useState("");
-  const carryOut = (action: () => Promise<string>) => {
-    setProblem("");
-    setNote("");
-    action().then(setNote, (error) => setProblem(textOf(error)));
-  };
+  const { problem, note, carryOut } = useOutcome();
   const set = async () => {
     const { warnings, ...told } = await setParameter(axis, info.number, typed ?? "");
     setTyped(null);

@@ -2,10 +2,10 @@ import { useState } from "preact/hooks";
 import { may } from "../access";
 import { call } from "../bench";
 import { hexOf, linesOf, type ProgramLine } from "../program";
-import { textOf } from "../rpc";
 import { texts } from "../texts";
 import { chosenFile } from "./chosen_file";
 import { ProgramTable } from "./program_table";
+import { useOutcome } from "./use_outcome";
 import { usePoll } from "./use_poll";
 
 const lookEveryMs = 500;
@@ -18,13 +18,7 @@ export function Program({ bus, address }: { bus: string; address: number }) {
   const module = { bus, address };
   const { answer: status, problem: silence } = usePoll(() => call("program.status", module), lookEveryMs, [bus, address]);
   const [lines, setLines] = useState<ProgramLine[] | null>(null);
-  const [problem, setProblem] = useState("");
-  const [note, setNote] = useState("");
-  const carryOut = (action: () => Promise<string>) => {
-    setProblem("");
-    setNote("");
-    action().then(setNote, (error) => setProblem(textOf(error)));
-  };
+  const { problem, note, carryOut } = useOutcome();
   const read = async () => {
     const { program } = await call("program.read", module);
     setLines(linesOf(program));
