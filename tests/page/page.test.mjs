@@ -208,6 +208,40 @@ describe("the scope", () => {
     assert.deepEqual(await saved(), rows);
   });
 
+  it("holds the picture half a window after a value has passed a level", async () => {
+    await trace("position");
+    await page.getByLabel("Show the last").selectOption("5");
+    await page.getByLabel("level").fill("2,5");
+    await button(page, "Arm").click();
+    await page.getByText("It waits for that.").waitFor();
+    await move(page, "x", "5");
+    await page.getByText(/^Held: it happened at/).waitFor();
+    const rows = (await saved()).slice(1).map((row) => row.split(",").map(Number));
+    const fired = rows.findIndex(([, position]) => position >= 2.5);
+    assert.ok(fired > 0 && rows[fired - 1][1] < 2.5);
+    assert.ok(rows.at(-1)[0] - rows[fired][0] >= 2.5);
+    await button(page, "Go on").waitFor();
+  });
+
+  it("tells the difference between two cursors", async () => {
+    await trace("position");
+    await move(page, "x", "5");
+    await until("the end of the move is recorded", async () => (await saved()).at(-1).split(",")[1] === "5");
+    assert.equal(await page.getByLabel("Cursor A at").count(), 0);
+    await button(page, "Pause").click();
+    const rows = (await saved()).slice(1).map((row) => row.split(",").map(Number));
+    for (const [name, at] of [["A", rows[1][0]], ["B", rows.at(-1)[0]]]) {
+      await page.getByLabel(`Cursor ${name} at`).fill(String(at));
+      await page.keyboard.press("Enter");
+    }
+    const table = page.getByRole("group", { name: "Cursors" });
+    const difference = (label) => table.getByRole("row", { name: label }).locator("td").last().textContent();
+    assert.equal(Number(await difference(/^x position/)), Number((5 - rows[1][1]).toFixed(4)));
+    assert.equal(Number(await difference(/^Time in s/)), Number((rows.at(-1)[0] - rows[1][0]).toFixed(4)));
+    await page.locator(".plot .u-over").click({ position: { x: 20, y: 20 } });
+    assert.equal(await page.getByLabel("Cursor B at").inputValue(), "");
+  });
+
   it("says which parameter there is not", async () => {
     await trace("no_such_thing");
     await page.getByRole("alert").getByText(/no_such_thing/).waitFor();

@@ -19,6 +19,9 @@ export const scopeProblem = signal("");
 
 type Column = (number | null)[];
 
+/** Called after each row. */
+export const newRow = new Set<() => void>();
+
 /** The times, in seconds, then a column for each trace: of at most so many rows. */
 export const rows: { times: number[]; columns: Column[] } = { times: [], columns: [] };
 const mostRows = 10_000;
@@ -95,8 +98,8 @@ function record(state: StateTold): void {
     const column = rows.columns[index]!;
     column.push(trace.axis === state.axis ? valueOf(trace, state) : (column[last] ?? null));
   });
-  if (rows.times.length < mostRows + oldRows) return;
-  for (const column of [rows.times, ...rows.columns]) column.splice(0, oldRows);
+  if (rows.times.length >= mostRows + oldRows) for (const column of [rows.times, ...rows.columns]) column.splice(0, oldRows);
+  for (const listener of newRow) listener();
 }
 
 function valueOf(trace: Trace, state: StateTold): number | null {

@@ -75,6 +75,18 @@ export const texts = {
   resume: "Go on",
   showLast: "Show the last",
   saveCsv: "Save CSV",
+  trigger: "Hold when",
+  edge: "goes",
+  edges: { rising: "up past", falling: "down past" },
+  level: "level",
+  arm: "Arm",
+  disarm: "Disarm",
+  waiting: "It waits for that.",
+  fired: (at: string, isHeld: boolean) => (isHeld ? `Held: it happened at ${at} s` : `It happened at ${at} s; what follows is recorded`),
+  cursors: "Cursors",
+  cursorA: "Cursor A at",
+  cursorB: "Cursor B at",
+  cursorsHelp: "In seconds; a click on the picture sets one, the next click the other.",
   scopeHelp:
     "A value is position, velocity, target, or a parameter of the axis, such as load_value. " +
     "Drag to zoom while paused; a double click shows all.",

@@ -14,6 +14,8 @@ import {
 import { texts } from "../texts";
 import { colours } from "./colours";
 import { saveFile } from "./save_file";
+import { ScopeCursors } from "./scope_cursors";
+import { ScopeTrigger } from "./scope_trigger";
 
 /** Values of axes over time. */
 export function Scope() {
@@ -37,7 +39,13 @@ export function Scope() {
         })}
       </div>
       {scopeProblem.value && <p class="problem" role="alert">{scopeProblem.value}</p>}
-      {traces.value.length > 0 && <Controls />}
+      {traces.value.length > 0 && (
+        <>
+          <Controls />
+          <ScopeTrigger />
+          <ScopeCursors />
+        </>
+      )}
       {/* With the units of the axes known. */}
       {traces.value.length > 0 && axes.value.length > 0 && <Plot />}
     </section>
