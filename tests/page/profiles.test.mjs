@@ -133,6 +133,20 @@ describe("profiles", () => {
     assert.equal(await chip("sixPoint").getByRole("button").count(), 0, "no axis has that chip");
   });
 
+  it("lays the next move of an axis over the pictures", async () => {
+    await show();
+    await isComputed(columns.TMC429);
+    await button(page, "Record its next move").click();
+    await page.getByText("It waits until the axis moves.").waitFor();
+    await bench.call("axis.move_to", { axis: "x", position_microsteps: -20000 });
+    await page.getByText(/^A move of x that took \d/).waitFor();
+    const curves = page.locator(".profiles .u-label").getByText("x", { exact: true });
+    await until("it is in each picture", async () => (await curves.count()) === 3);
+    await button(page, "Remove what was recorded").click();
+    await page.getByText(/^A move of x/).waitFor({ state: "detached" });
+    await until("it is in none", async () => (await curves.count()) === 0);
+  });
+
   it("can be read by a screen reader, on a phone", async () => {
     await show("", { bypassCSP: true, viewport: { width: 360, height: 740 } });
     for (const column of [0, 1, 2]) await isComputed(column);

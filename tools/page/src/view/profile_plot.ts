@@ -2,6 +2,7 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { chips } from "../chips";
+import type { Recording } from "../profile_recording";
 import type { Simulation } from "../profiles";
 import { texts } from "../texts";
 import { colours } from "./colours";
@@ -11,17 +12,19 @@ const axisWidth = 90;
 const gridColour = "#8884";
 
 type Curve = NonNullable<Simulation["curve"]>;
-const pictures: [string, (curve: Curve) => number[]][] = [
-  [texts.positionIn, (curve) => curve.positions_microsteps],
-  [texts.velocityIn, (curve) => curve.velocities_pps],
-  [texts.accelerationIn, (curve) => curve.accelerations_pps2],
+/** No module tells its acceleration. */
+const pictures: [string, (curve: Curve) => number[], (made: Recording) => (number | null)[]][] = [
+  [texts.positionIn, (curve) => curve.positions_microsteps, (made) => made.positions],
+  [texts.velocityIn, (curve) => curve.velocities_pps, (made) => made.velocities],
+  [texts.accelerationIn, (curve) => curve.accelerations_pps2, (made) => made.times.map(() => null)],
 ];
 
 /** Until the function that it gives is called. */
-export function drawProfiles(place: HTMLElement, simulations: (Simulation | null)[]): () => void {
-  const plots = pictures.map(([label, valuesOf]) => {
+export function drawProfiles(place: HTMLElement, simulations: (Simulation | null)[], recorded: Recording | null): () => void {
+  const plots = pictures.map(([label, valuesOf, recordedOf]) => {
     const tables = simulations.map((one): uPlot.AlignedData => (one?.curve ? [one.curve.times_s, valuesOf(one.curve)] : [[], []]));
-    return new uPlot(optionsOf(label, place), uPlot.join(tables), place);
+    if (recorded) tables.push([recorded.times, recordedOf(recorded)]);
+    return new uPlot(optionsOf(label, recorded?.axis ?? null, place), uPlot.join(tables), place);
   });
   const resize = new ResizeObserver(() => {
     for (const plot of plots) plot.setSize({ width: place.clientWidth, height });
@@ -33,7 +36,7 @@ export function drawProfiles(place: HTMLElement, simulations: (Simulation | null
   };
 }
 
-function optionsOf(label: string, place: HTMLElement): uPlot.Options {
+function optionsOf(label: string, recordedAxis: string | null, place: HTMLElement): uPlot.Options {
   const stroke = getComputedStyle(place).color;
   const grid = { stroke: gridColour };
   return {
@@ -48,6 +51,7 @@ function optionsOf(label: string, place: HTMLElement): uPlot.Options {
     series: [
       { label: texts.time },
       ...chips.map((chip, index) => ({ label: chip.name, stroke: colours[index]!, width: 2, spanGaps: true })),
+      ...(recordedAxis === null ? [] : [{ label: recordedAxis, stroke, width: 2, dash: [6, 4], spanGaps: true }]),
     ],
   };
 }

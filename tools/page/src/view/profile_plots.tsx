@@ -1,20 +1,23 @@
 import { useEffect, useRef } from "preact/hooks";
+import { phase, recording } from "../profile_recording";
 import { simulations } from "../profiles";
 
 /** Position, velocity and acceleration; what draws is loaded when it is wanted. */
 export function ProfilePlots() {
   const place = useRef<HTMLDivElement>(null);
   const shown = simulations.value;
+  // Not while it is recorded: all would be drawn anew for each reading.
+  const recorded = phase.value === "" ? recording.value : null;
   useEffect(() => {
     let end = () => {};
     let isGone = false;
     void import("./profile_plot").then(({ drawProfiles }) => {
-      if (!isGone) end = drawProfiles(place.current!, shown);
+      if (!isGone) end = drawProfiles(place.current!, shown, recorded);
     });
     return () => {
       isGone = true;
       end();
     };
-  }, [shown]);
+  }, [shown, recorded]);
   return <div class="plot" ref={place} />;
 }

@@ -1,10 +1,12 @@
 import { useEffect } from "preact/hooks";
+import { may } from "../access";
 import { chips } from "../chips";
 import { distance, refusals, simulations, watchInputs } from "../profiles";
 import { texts } from "../texts";
 import { ChipForm } from "./chip_form";
 import { numberText } from "./number_text";
 import { ProfilePlots } from "./profile_plots";
+import { ProfileRecord } from "./profile_record";
 import { TextTable } from "./table";
 
 /** The same move with each ramp generator; no module is needed for that. */
@@ -29,6 +31,7 @@ export function Profiles() {
           <ChipForm key={chip.name} chip={chip} index={index} />
         ))}
       </div>
+      {may("subscribe") && <ProfileRecord />}
       <ProfilePlots />
       <Results />
     </section>
