@@ -7,6 +7,7 @@
 #include "api/suggest.hpp"
 #include "api/token_keeper.hpp"
 #include "gateway/store/tokens.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
 namespace {
