@@ -175,8 +175,8 @@ TEST_P(DoubledReplies, TellNobodyThatAnUnseenMovementWasDone) {
 class ReorderedReplies : public testing::TestWithParam<Framing> {};
 
 // Where a reply is late and another one is late, too, just when the first comes, only reading again
-// tells them apart: one in some ten thousands gets through, 23 of a million here, most of them before
-// a line is known to do that. Of so many reads more than one in ten thousand is no chance.
+// tells them apart: one in some ten thousands gets through, 23 of a million here, most of them
+// before a line is known to do that. Of so many reads more than one in ten thousand is no chance.
 TEST_P(ReorderedReplies, AreHardlyEverTakenForOthers) {
   constexpr std::size_t lines = 20, reads_on_each = 5000;
   Random random(test::seed());
