@@ -80,6 +80,14 @@ TEST_F(PathBench, ACircleOfGcode) {
   EXPECT_EQ(get("1/0", "4"), "200000\n");
 }
 
+TEST_F(PathBench, APictureThatGoesIntoAPipeIsDrawnOnce) {
+  const auto part = written("short.ngc", "G1 X1 Y1 F600\n");
+  const auto ran = ctl("path run " + part + on_both_axes +
+                       "--period 100 --deviation 12 --svg /dev/stdout | cat");
+  EXPECT_THAT(ran.out, HasSubstr(" off the path, at "));
+  EXPECT_EQ(ran.out.find("<svg xmlns"), ran.out.rfind("<svg xmlns"));
+}
+
 TEST_F(PathBench, ADryRunMovesNothingAndDraws) {
   const auto part = written("circle.ngc", circle);
   const auto ran =

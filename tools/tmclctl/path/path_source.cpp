@@ -6,7 +6,6 @@
 
 #include "command_line/input_file.hpp"
 #include "command_line/text_problems.hpp"
-#include "output/output_file.hpp"
 #include "output/print.hpp"
 #include "plot/plane.hpp"
 #include "plot/text_plot.hpp"
@@ -72,22 +71,6 @@ void add(const api::path::Passage& passage, std::size_t second, plot::Plane& pla
   plane.marked = {passage.off_path_at.at(0), passage.off_path_at.at(second),
                   fmt::format("{} off the path, at {} s", figure(passage.off_path, 3),
                               figure(passage.off_path_at_s, 4))};
-}
-
-std::string to_svg(const std::string& file, const Course& course, const Curve& curve,
-                   const Drawn& drawn) {
-  const auto& axes = course.axes;
-  const std::size_t second = std::min<std::size_t>(1, axes.size() - 1);
-  plot::Plane plane{title(file, course), axes[0].axis, axes[second].axis, {}, {}};
-  for (const auto& position : curve.positions) {
-    plane.planned.x.push_back(position.at(0));
-    plane.planned.y.push_back(position.at(second));
-  }
-  if (drawn.passage) add(*drawn.passage, second, plane);
-  if (!drawn.shown.empty()) return plot::to_svg(plane, picture_of(course, curve, drawn));
-  auto picture = picture_of(course, curve, {{plot::Quantity::position}, {}});
-  picture.marks.clear();
-  return plot::to_svg(plane, picture);
 }
 
 /// What a gateway says of a text that it cannot take, in the subject of an error.
@@ -162,10 +145,20 @@ void print(const tmcl::api::path::Shaping& shaping, Output& output) {
   }
 }
 
-Result<void> draw(const std::string& svg_path, const std::string& file, const Course& course,
-                  const Curve& curve, const Drawn& drawn) {
-  OutputFile svg;
-  return svg.open(svg_path).and_then([&] { return svg.write(to_svg(file, course, curve, drawn)); });
+std::string to_svg(const std::string& file, const Course& course, const Curve& curve,
+                   const Drawn& drawn) {
+  const auto& axes = course.axes;
+  const std::size_t second = std::min<std::size_t>(1, axes.size() - 1);
+  plot::Plane plane{title(file, course), axes[0].axis, axes[second].axis, {}, {}};
+  for (const auto& position : curve.positions) {
+    plane.planned.x.push_back(position.at(0));
+    plane.planned.y.push_back(position.at(second));
+  }
+  if (drawn.passage) add(*drawn.passage, second, plane);
+  if (!drawn.shown.empty()) return plot::to_svg(plane, picture_of(course, curve, drawn));
+  auto picture = picture_of(course, curve, {{plot::Quantity::position}, {}});
+  picture.marks.clear();
+  return plot::to_svg(plane, picture);
 }
 
 std::string drawing(const std::string& file, const Course& course, const Curve& curve,

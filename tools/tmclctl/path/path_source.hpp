@@ -51,9 +51,8 @@ struct Drawn {
   std::optional<tmcl::api::path::Passage> passage{};
 };
 /// Draws the path, x over y, above its axes over time.
-Result<void> draw(const std::string& svg_path, const std::string& file,
-                  const tmcl::api::path::Course& course, const tmcl::api::path::Curve& curve,
-                  const Drawn& drawn = {});
+std::string to_svg(const std::string& file, const tmcl::api::path::Course& course,
+                   const tmcl::api::path::Curve& curve, const Drawn& drawn);
 /// What is shown of all axes, in characters.
 std::string drawing(const std::string& file, const tmcl::api::path::Course& course,
                     const tmcl::api::path::Curve& curve, const Drawn& drawn, const Screen& screen);

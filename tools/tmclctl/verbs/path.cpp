@@ -91,8 +91,10 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   path::Drawn drawing{verb.show, {}};
   if (!shaping) drawing.phases = path::phases_of(*planned);
   if (!verb.svg.empty()) {
-    if (const auto drawn = path::draw(verb.svg, verb.file, course, curve, drawing); !drawn)
-      return tl::unexpected(drawn.error());
+    OutputFile svg;
+    const auto drawn = svg.open(verb.svg).and_then(
+        [&] { return svg.write(path::to_svg(verb.file, course, curve, drawing)); });
+    if (!drawn) return tl::unexpected(drawn.error());
   }
   boost::json::array legs;
   std::optional<path::ChipScale> chip;

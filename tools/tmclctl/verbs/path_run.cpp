@@ -1,10 +1,12 @@
 // path run.
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "axis/arrival_wait.hpp"
 #include "command_line/form.hpp"
+#include "output/output_file.hpp"
 #include "output/print.hpp"
 #include "output/progress_line.hpp"
 #include "path/path_source.hpp"
@@ -143,13 +145,13 @@ api::path::Passage passage_in(const PathEnd& end) {
   return path::part_done<api::path::Passage>(end.report.error());
 }
 
-Result<void> draw(const verb::RunPath& verb, const api::path::Planned& plan,
-                  api::path::Passage passage = {}) {
-  if (verb.svg.empty()) return {};
+Result<void> draw(const verb::RunPath& verb, const api::path::Planned& plan, OutputFile& svg,
+                  std::optional<api::path::Passage> passage) {
+  if (!svg.is_open()) return {};
   path::Drawn drawn;
   drawn.passage = std::move(passage);
-  return path::draw(verb.svg, verb.file, plan.course, plan.curve.value_or(api::path::Curve{}),
-                    drawn);
+  const auto curve = plan.curve.value_or(api::path::Curve{});
+  return svg.write(path::to_svg(verb.file, plan.course, curve, drawn));
 }
 
 void print(const api::path::Passed& report, StreamMode mode, Output& output) {
@@ -171,25 +173,25 @@ void print(const api::path::Passed& report, StreamMode mode, Output& output) {
       report.commands_per_s, report.round_trip_us, 100 * report.bus_load);
 }
 
-/// Without what is in a drawing.
-boost::json::object document_of(api::path::Passed report) {
-  report.seen.reset();
-  auto document = api::to_json(report);
-  document.erase(api::name_of<&api::path::Passage::seen>());
-  return document;
+/// What was asked for to be drawn is not told as well.
+void leave_out_places(boost::json::object& report) {
+  report.erase(api::name_of<&api::path::Passage::seen>());
 }
 
 Result<ExitCode> tell(PathEnd end, StreamMode mode, Output& output) {
   if (end.report) {
     warn(end.report->remarks, output);
     if (output.json) {
-      print_json(document_of(*end.report), output);
+      auto document = api::to_json(*end.report);
+      leave_out_places(document);
+      print_json(document, output);
     } else {
       print(*end.report, mode, output);
     }
     return ExitCode::done;
   }
   auto failure = std::move(end.report.error());
+  if (auto* part = failure.subject.if_contains("run")) leave_out_places(part->as_object());
   warn(path::part_done<api::path::Passage>(failure).remarks, output);
   if (end.signal == 0) return tl::unexpected(std::move(failure));
   return tl::unexpected(interrupted_error(end.signal, "stopped before the end of the path", "",
@@ -217,15 +219,17 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
   const auto plan = plan_of(verb, context);
   if (!plan) return tl::unexpected(plan.error());
   warn(plan->warnings, context.output);
-  if (auto drawn = draw(verb, *plan); !drawn) return tl::unexpected(drawn.error());
+  OutputFile svg;
+  if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
   if (!verb.dry_run) {
     if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
     context.host.catch_pauses();
-    auto end = pass(*plan, !verb.svg.empty(), context);
-    const auto drawn = draw(verb, *plan, passage_in(end));
+    auto end = pass(*plan, svg.is_open(), context);
+    const auto drawn = draw(verb, *plan, svg, passage_in(end));
     auto code = tell(std::move(end), verb.mode, context.output);
     return drawn || !code ? code : tl::unexpected(drawn.error());
   }
+  if (auto drawn = draw(verb, *plan, svg, {}); !drawn) return tl::unexpected(drawn.error());
   if (context.output.json) {
     auto document = api::to_json(plan->course);
     document["file"] = verb.file;
