@@ -1,6 +1,7 @@
 // The file of a path, as a person has chosen it.
 import { signal } from "@preact/signals";
 import { call } from "./bench";
+import { hexOf } from "./hex";
 import { texts } from "./texts";
 
 export interface PathFile {
@@ -39,8 +40,4 @@ export async function stage({ bytes }: PathFile): Promise<number> {
     await call("path.stage", { offset, data: hexOf(bytes.subarray(offset, offset + bytesAtOnce)) });
   }
   return bytes.length;
-}
-
-function hexOf(bytes: Uint8Array): string {
-  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 }

@@ -8,7 +8,7 @@ export interface Recording {
   axis: string;
   times: number[];
   positions: number[];
-  velocities: number[];
+  velocities: (number | null)[];
 }
 
 export const recording = signal<Recording | null>(null);
@@ -21,6 +21,8 @@ const mostRows = 5000;
 
 let subscription: number | null = null;
 let stood: StateTold | null = null;
+/** Of a move, until it has ended. */
+let rows: StateTold[] = [];
 
 export async function recordNextMove(axis: string): Promise<void> {
   await endRecording();
@@ -34,43 +36,45 @@ export async function recordNextMove(axis: string): Promise<void> {
   }
 }
 
-/** Keeps what there is. */
+/** Shows what there is. */
 export async function endRecording(): Promise<void> {
   const old = subscription;
+  if (rows.length > 0) recording.value = recordingOf(stood ?? rows[0]!, rows);
+  forget();
+  if (old !== null) await call("unsubscribe", { subscription: old }).catch(() => {});
+}
+
+function forget(): void {
   subscription = null;
   stood = null;
+  rows = [];
   phase.value = "";
-  if (old !== null) await call("unsubscribe", { subscription: old }).catch(() => {});
 }
 
 /** A subscription ends with its connection. */
 effect(() => {
-  if (isConnected.value) return;
-  subscription = null;
-  stood = null;
-  phase.value = "";
-});
-
-stateListeners.add((state) => {
-  if (state.subscription !== subscription) return;
-  if (state.moving) take(state);
-  else if (phase.peek() === "recording") {
-    take(state);
-    void endRecording();
-  } else stood = state;
+  if (!isConnected.value) forget();
 });
 
 /** Of an axis that moves already, the rest is recorded. */
-function take(state: StateTold): void {
-  const begin = (stood ??= state);
-  const before = recording.peek() ?? { axis: state.axis, times: [], positions: [], velocities: [] };
-  const way = state.target_microsteps < begin.position_microsteps ? -1 : 1;
+stateListeners.add((state) => {
+  if (state.subscription !== subscription) return;
+  if (!state.moving && rows.length === 0) {
+    stood = state;
+    return;
+  }
   phase.value = "recording";
-  recording.value = {
-    axis: state.axis,
-    times: [...before.times, (state.event_time_ms - begin.event_time_ms) / 1000],
-    positions: [...before.positions, way * (state.position_microsteps - begin.position_microsteps)],
-    velocities: [...before.velocities, way * (state.velocity_pps ?? 0)],
+  rows.push(state);
+  if (!state.moving || rows.length >= mostRows) void endRecording();
+});
+
+function recordingOf(begin: StateTold, states: StateTold[]): Recording {
+  const end = states[states.length - 1]!;
+  const way = end.position_microsteps < begin.position_microsteps ? -1 : 1;
+  return {
+    axis: begin.axis,
+    times: states.map((state) => (state.event_time_ms - begin.event_time_ms) / 1000),
+    positions: states.map((state) => way * (state.position_microsteps - begin.position_microsteps)),
+    velocities: states.map((state) => (state.velocity_pps === null ? null : way * state.velocity_pps)),
   };
-  if (recording.value.times.length >= mostRows) void endRecording();
 }

@@ -9,10 +9,6 @@ export interface ProgramLine {
   value: number;
 }
 
-export function hexOf(bytes: Uint8Array): string {
-  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
-}
-
 export function linesOf(program: string): ProgramLine[] {
   const commands = program.match(/.{16}/g) ?? [];
   return commands.map((digits, address) => {

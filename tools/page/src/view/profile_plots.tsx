@@ -1,13 +1,12 @@
 import { useEffect, useRef } from "preact/hooks";
-import { phase, recording } from "../profile_recording";
+import { recording } from "../profile_recording";
 import { simulations } from "../profiles";
 
 /** Position, velocity and acceleration; what draws is loaded when it is wanted. */
 export function ProfilePlots() {
   const place = useRef<HTMLDivElement>(null);
   const shown = simulations.value;
-  // Not while it is recorded: all would be drawn anew for each reading.
-  const recorded = phase.value === "" ? recording.value : null;
+  const recorded = recording.value;
   useEffect(() => {
     let end = () => {};
     let isGone = false;

@@ -1,7 +1,8 @@
 import { useState } from "preact/hooks";
 import { may } from "../access";
 import { call } from "../bench";
-import { hexOf, linesOf, type ProgramLine } from "../program";
+import { hexOf } from "../hex";
+import { linesOf, type ProgramLine } from "../program";
 import { texts } from "../texts";
 import { chosenFile } from "./chosen_file";
 import { ProgramTable } from "./program_table";
