@@ -5,8 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include <poll.h>
-
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core.hpp>
@@ -16,6 +14,7 @@
 #include "api/request.hpp"
 #include "async/spawn.hpp"
 #include "fronts/http_message.hpp"
+#include "fronts/http_wire.hpp"
 #include "fronts/metrics.hpp"
 #include "fronts/session.hpp"
 #include "tmcl/json_text.hpp"
@@ -35,19 +34,15 @@ using boost::system::error_code;
 using Tcp = asio::ip::tcp;
 using namespace std::chrono_literals;
 
-// Who comes has so long for TLS, for the head of a request, and for the rest of it.
+// A client has so long for TLS, and for the head of a request.
 constexpr auto time_for_handshake = 5s;
 constexpr auto time_for_head = 5s;
-constexpr auto time_for_body = 10s;
 constexpr auto time_between_requests = 60s;
 // A WebSocket is asked for a sign of life at half of it.
 constexpr auto time_without_sign = 30s;
-// What a client still sends is read for so long, so that it reads why it was refused.
-constexpr auto time_to_linger = 2s;
 // A client that sends nothing any more is looked for so often while its call is in progress.
 constexpr auto time_between_signs = 1s;
 constexpr unsigned version_1_1 = 11;
-constexpr std::size_t linger_bytes = 16U * 1024U;
 constexpr std::uint32_t max_head_bytes = 8U * 1024U;
 // Room that a message has taken and that is given back behind it.
 constexpr std::size_t kept_buffer_bytes = 4096;
@@ -93,7 +88,7 @@ class StreamConnection final : public HttpConnection,
   StreamConnection(WebStream stream, std::shared_ptr<ssl::context> tls,
                    std::shared_ptr<HttpConnections> connections, std::uint64_t id,
                    HttpConnectionInfo info)
-      : stream_(std::move(stream)),
+      : wire_(std::move(stream), max_head_bytes + max_line_bytes),
         tls_(std::move(tls)),
         connections_(std::move(connections)),
         id_(id),
@@ -107,11 +102,11 @@ class StreamConnection final : public HttpConnection,
   void finish() override {
     is_finishing_ = true;
     if (session_) session_->finish();
-    if (!is_serving_ && !ws_) close();
+    if (!is_serving_ && !wire_.websocket()) close();
   }
   void close() override {
     if (session_) session_->close();
-    close_socket();
+    wire_.close();
   }
   void end_if_by_token(const std::string& name) override {
     if (session_ && token_ == name) end_session("the token was revoked");
@@ -144,33 +139,36 @@ class StreamConnection final : public HttpConnection,
       const auto message = session.next_message();
       if (!message) continue;
       self->is_writing_ = true;
-      co_await self->ws_->async_write(asio::buffer(*message), redirect_error(use_awaitable, error));
+      co_await self->wire_.websocket()->async_write(asio::buffer(*message),
+                                                    redirect_error(use_awaitable, error));
       self->is_writing_ = false;
     }
-    if (!error && self->is_open())
-      co_await self->ws_->async_close(self->farewell_, redirect_error(use_awaitable, error));
+    if (!error && self->wire_.is_open())
+      co_await self->wire_.websocket()->async_close(self->farewell_,
+                                                    redirect_error(use_awaitable, error));
     session.close();
-    self->close_socket();
+    self->wire_.close();
   }
 
   awaitable<bool> shake_hands() {
     if (!tls_) co_return true;
-    lowest().expires_after(time_for_handshake);
+    wire_.lowest().expires_after(time_for_handshake);
     error_code error;
-    const bool is_tls =
-        co_await beast::async_detect_ssl(lowest(), buffer_, redirect_error(use_awaitable, error));
+    const bool is_tls = co_await beast::async_detect_ssl(wire_.lowest(), wire_.buffer(),
+                                                         redirect_error(use_awaitable, error));
     if (error) co_return false;
     if (!is_tls) {
       co_await refuse_plain_text();
       co_return false;
     }
-    stream_.use_tls(*tls_);
-    auto received = beast::buffers_to_string(buffer_.data());
-    buffer_.consume(buffer_.size());
-    error = co_await connections_->handshakes.perform(stream_, std::move(received), info_.network);
+    wire_.stream().use_tls(*tls_);
+    auto received = beast::buffers_to_string(wire_.buffer().data());
+    wire_.buffer().consume(wire_.buffer().size());
+    error = co_await connections_->handshakes.perform(wire_.stream(), std::move(received),
+                                                      info_.network);
     if (error) {
       log_tls(error);
-      co_await linger();
+      co_await wire_.linger();
     }
     co_return !error;
   }
@@ -178,23 +176,23 @@ class StreamConnection final : public HttpConnection,
   awaitable<void> refuse_plain_text() {
     log_refusal("speaks no TLS to a port that does");
     const auto refusal = not_now("needs_tls", "this port speaks TLS", "use https:// or wss://");
-    co_await refuse(refusal);
+    co_await wire_.refuse(refusal);
   }
 
   awaitable<void> serve() {
     bool goes_on = true;
-    for (bool is_first = true; goes_on && is_open() && !is_finishing_; is_first = false) {
+    for (bool is_first = true; goes_on && wire_.is_open() && !is_finishing_; is_first = false) {
       RequestParser parser;
       parser.header_limit(max_head_bytes);
       parser.body_limit(max_line_bytes);
       if (is_first) {
-        lowest().expires_after(time_for_head);
+        wire_.lowest().expires_after(time_for_head);
       } else {
-        lowest().expires_never();
+        wire_.lowest().expires_never();
         idle_since_ = connections_->gateway->clock().now();
       }
       error_code error;
-      co_await http::async_read_header(stream_, buffer_, parser,
+      co_await http::async_read_header(wire_.stream(), wire_.buffer(), parser,
                                        redirect_error(use_awaitable, error));
       is_serving_ = true;
       idle_since_.reset();
@@ -222,7 +220,7 @@ class StreamConnection final : public HttpConnection,
     if (!entry) {
       const auto status = http_status_of(entry.error());
       if (status == 401 || status == 403) log_refusal("was not let in: " + entry.error().message);
-      co_await refuse(entry.error());
+      co_await wire_.refuse(entry.error());
       co_return false;
     }
     // A body that is not read would be taken for the next request.
@@ -246,7 +244,7 @@ class StreamConnection final : public HttpConnection,
   awaitable<bool> tell_health(const Request& request) {
     if (connections_->gateway->is_closing()) {
       const auto refusal = ending();
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
       co_return false;
     }
     const bool goes_on = co_await respond(request, plain_type, "ok\n");
@@ -269,7 +267,7 @@ class StreamConnection final : public HttpConnection,
     if (method != http::verb::get && method != http::verb::head) {
       const auto refusal =
           not_now("wrong_http_method", "the page is for GET, HEAD", "calls: POST /rpc");
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
       co_return false;
     }
     if (!parser.is_done()) {
@@ -277,7 +275,7 @@ class StreamConnection final : public HttpConnection,
       co_return false;
     }
     auto response = page_response(file, parser.get());
-    const bool goes_on = co_await send(response);
+    const bool goes_on = co_await wire_.send(response);
     co_return goes_on;
   }
 
@@ -290,7 +288,7 @@ class StreamConnection final : public HttpConnection,
     auto response = response_of(200, json_type, tmcl::json_text(who) + "\n", request.version(),
                                 request.keep_alive());
     if (!cookie.empty()) response.set(http::field::set_cookie, cookie);
-    const bool goes_on = co_await send(response);
+    const bool goes_on = co_await wire_.send(response);
     co_return goes_on;
   }
 
@@ -304,7 +302,7 @@ class StreamConnection final : public HttpConnection,
     connections_->sign_out(entry.sign_in, id_);
     auto response = response_of(200, json_type, "{}\n", request.version(), false);
     response.set(http::field::set_cookie, cookie_with("", std::chrono::seconds(0)));
-    co_await send(response);
+    co_await wire_.send(response);
     // With it goes what this connection has let turn.
     co_return false;
   }
@@ -317,44 +315,45 @@ class StreamConnection final : public HttpConnection,
   awaitable<void> refuse_body() {
     const auto refusal = not_now("unexpected_body", "only a call to /rpc has a body",
                                  "send the request without one");
-    co_await refuse(refusal);
+    co_await wire_.refuse(refusal);
   }
 
   // ---- calls ----
 
   awaitable<bool> serve_call(RequestParser& parser) {
-    error_code error;
-    lowest().expires_after(time_for_body);
     if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
-      http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
-      co_await http::async_write(stream_, go_on, redirect_error(use_awaitable, error));
+      const auto version = parser.get().version();
+      const bool is_sent = co_await wire_.send_interim(http::status::continue_, version);
+      if (!is_sent) co_return false;
     }
-    if (!error)
-      co_await http::async_read(stream_, buffer_, parser, redirect_error(use_awaitable, error));
+    wire_.lowest().expires_after(time_for_body);
+    error_code error;
+    co_await http::async_read(wire_.stream(), wire_.buffer(), parser,
+                              redirect_error(use_awaitable, error));
     if (error) {
       co_await refuse_unreadable(error);
       co_return false;
     }
-    lowest().expires_never();
+    wire_.lowest().expires_never();
     const auto& body = parser.get().body();
     if (body.find_first_not_of(" \t\r\n") == std::string::npos) {
       const auto refusal =
           not_now("no_message", "the request has no body",
                   "one JSON-RPC message is wanted: {\"jsonrpc\":\"2.0\",\"id\":1,...}");
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
       co_return false;
     }
     // The body may have taken a while: its token may be revoked by now.
     const auto entry = connections_->admit(head_of(parser.get()), info_);
     if (!entry) {
-      co_await refuse(entry.error());
+      co_await wire_.refuse(entry.error());
       co_return false;
     }
     const bool has_place = connections_->let_in(id_);
     begin_session(*entry, has_place ? Session::Serves::all : Session::Serves::stops);
     if (session_->is_finishing()) {
       const auto refusal = ending();
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
       co_return false;
     }
     session_->take(body);
@@ -378,13 +377,12 @@ class StreamConnection final : public HttpConnection,
     options.name = entry.name;
     options.serves = serves;
     const std::weak_ptr<StreamConnection> weak = weak_from_this();
-    session_ = std::make_shared<HttpSession>(executor(), connections_->gateway, std::move(options),
-                                             [weak] {
-                                               const auto self = weak.lock();
-                                               // One that can be told says farewell first.
-                                               if (self && (!self->ws_ || self->is_writing_))
-                                                 self->close_socket();
-                                             });
+    session_ = std::make_shared<HttpSession>(
+        executor(), connections_->gateway, std::move(options), [weak] {
+          const auto self = weak.lock();
+          // One that can be told says farewell first.
+          if (self && (!self->wire_.websocket() || self->is_writing_)) self->wire_.close();
+        });
   }
 
   bool is_of(const HttpEntry& entry) const {
@@ -404,7 +402,7 @@ class StreamConnection final : public HttpConnection,
       answer = session_->next_answer();
       if (answer) break;
       co_await session_->output().wait_for(hang_up_check_interval);
-      const auto seen = hang_up_events();
+      const auto seen = wire_.hang_up_events();
       constexpr short gone = POLLHUP | POLLERR | POLLNVAL;
       // Clients do not end the output of TLS alone, and the oldest do not know interim answers.
       const bool can_be_asked = !tls_ && version >= version_1_1;
@@ -416,20 +414,11 @@ class StreamConnection final : public HttpConnection,
     co_return answer;
   }
 
-  short hang_up_events() {
-    pollfd state{lowest().socket().native_handle(), POLLRDHUP, 0};
-    return ::poll(&state, 1, 0) > 0 ? state.revents : short{0};
-  }
-
   /// To a client that sends nothing any more: one that still reads goes on waiting, and of one that
   /// has gone the connection breaks.
   awaitable<void> say_that_it_goes_on() {
-    http::response<http::empty_body> processing(http::status::processing, version_1_1);
-    error_code error;
-    lowest().expires_after(time_for_body);
-    co_await http::async_write(stream_, processing, redirect_error(use_awaitable, error));
-    lowest().expires_never();
-    if (error) session_->close();
+    const bool is_sent = co_await wire_.send_interim(http::status::processing, version_1_1);
+    if (!is_sent) session_->close();
   }
 
   // ---- WebSocket ----
@@ -437,23 +426,24 @@ class StreamConnection final : public HttpConnection,
   awaitable<void> serve_websocket(Request request, const HttpEntry& entry) {
     if (!connections_->let_in(id_)) {
       const auto refusal = too_many_clients();
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
       co_return;
     }
     // RFC 6455, 4.1: it waits for the answer. Beast would take it for the first message.
-    if (buffer_.size() != 0) {
+    if (wire_.buffer().size() != 0) {
       const auto refusal =
           not_now("data_before_upgrade", "a WebSocket begins with the answer to the request for it",
                   "send nothing before that has come");
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
       co_return;
     }
     // It has timers of its own.
-    lowest().expires_never();
-    ws_.emplace(std::move(stream_));
-    set_up(entry);
+    wire_.lowest().expires_never();
+    wire_.begin_websocket();
+    auto& socket = *wire_.websocket();
+    set_up(socket, entry);
     error_code error;
-    co_await ws_->async_accept(request, redirect_error(use_awaitable, error));
+    co_await socket.async_accept(request, redirect_error(use_awaitable, error));
     if (error) co_return;
     if (session_) session_->close();
     session_.reset();
@@ -461,7 +451,7 @@ class StreamConnection final : public HttpConnection,
     const auto still = connections_->admit(head_of(request), info_);
     if (!still) {
       farewell_ = {websocket::close_code::policy_error, still.error().name};
-      co_await ws_->async_close(farewell_, redirect_error(use_awaitable, error));
+      co_await socket.async_close(farewell_, redirect_error(use_awaitable, error));
       co_return;
     }
     begin_session(*still, Session::Serves::all);
@@ -473,30 +463,33 @@ class StreamConnection final : public HttpConnection,
     session_->close();
   }
 
-  void set_up(const HttpEntry& entry) {
+  static void set_up(HttpWire::WebSocket& socket, const HttpEntry& entry) {
     websocket::stream_base::timeout times{time_for_handshake, time_without_sign, true};
-    ws_->set_option(times);
-    ws_->set_option(websocket::stream_base::decorator([protocol = entry.protocol](auto& response) {
-      response.set(http::field::server, "tmcld");
-      if (!protocol.empty()) response.set(http::field::sec_websocket_protocol, protocol);
-    }));
-    ws_->read_message_max(max_line_bytes);
-    ws_->text(true);
+    socket.set_option(times);
+    socket.set_option(
+        websocket::stream_base::decorator([protocol = entry.protocol](auto& response) {
+          response.set(http::field::server, "tmcld");
+          if (!protocol.empty()) response.set(http::field::sec_websocket_protocol, protocol);
+        }));
+    socket.read_message_max(max_line_bytes);
+    socket.text(true);
   }
 
   awaitable<void> read() {
+    auto& socket = *wire_.websocket();
+    auto& buffer = wire_.buffer();
     error_code error;
     while (!session_->is_closed()) {
-      co_await ws_->async_read(buffer_, redirect_error(use_awaitable, error));
+      co_await socket.async_read(buffer, redirect_error(use_awaitable, error));
       if (error) break;
-      if (!ws_->got_text()) {
+      if (!socket.got_text()) {
         farewell_ = {websocket::close_code::unknown_data, "messages are text"};
         break;
       }
-      const auto bytes = buffer_.data();
+      const auto bytes = buffer.data();
       session_->take(std::string_view(static_cast<const char*>(bytes.data()), bytes.size()));
-      buffer_.consume(bytes.size());
-      if (buffer_.capacity() > kept_buffer_bytes) buffer_.shrink_to_fit();
+      buffer.consume(bytes.size());
+      if (buffer.capacity() > kept_buffer_bytes) buffer.shrink_to_fit();
     }
   }
 
@@ -505,56 +498,29 @@ class StreamConnection final : public HttpConnection,
   awaitable<bool> respond(const Request& request, const char* type, std::string body) {
     auto response =
         response_of(200, type, std::move(body), request.version(), request.keep_alive());
-    const bool goes_on = co_await send(response);
+    const bool goes_on = co_await wire_.send(response);
     co_return goes_on;
-  }
-
-  awaitable<bool> send(Response& response) {
-    lowest().expires_after(time_for_body);
-    error_code error;
-    co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
-    co_return !error && response.keep_alive();
-  }
-
-  // It is given a value with a name: g++ 12 destroys one in braces behind co_await twice.
-  awaitable<void> refuse(const Error& refusal) {
-    auto response = response_of(http_status_of(refusal), json_type, body_of(refusal), 11, false);
-    error_code error;
-    lowest().expires_after(time_for_body);
-    co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
-    if (!error) co_await linger();
   }
 
   awaitable<void> refuse_head(const std::string& objection) {
     const auto refusal = not_now("bad_head", objection, "send each field once, on one line");
-    co_await refuse(refusal);
+    co_await wire_.refuse(refusal);
   }
 
   awaitable<void> refuse_unreadable(error_code why) {
     if (why == http::error::header_limit) {
       const auto refusal = not_now("head_too_long", "the head of a request may have 8192 bytes");
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
     } else if (why == http::error::body_limit || why == http::error::buffer_overflow) {
       const auto refusal = not_now(
           "message_too_long", "a message may have " + std::to_string(max_line_bytes) + " bytes",
           "nothing of it was done");
-      co_await refuse(refusal);
+      co_await wire_.refuse(refusal);
     } else if (why.category() == make_error_code(http::error::bad_method).category() &&
                why != http::error::end_of_stream && why != http::error::partial_message) {
       const auto refusal = not_now("no_http", "this is no request by HTTP: " + why.message(),
                                    "is it https:// to a port without TLS?");
-      co_await refuse(refusal);
-    }
-  }
-
-  /// Reads on for a while: a connection that is closed with something unread loses the answer.
-  awaitable<void> linger() {
-    error_code error;
-    lowest().socket().shutdown(Tcp::socket::shutdown_send, error);
-    lowest().expires_after(time_to_linger);
-    std::string bytes(linger_bytes, '\0');
-    while (!error) {
-      co_await lowest().async_read_some(asio::buffer(bytes), redirect_error(use_awaitable, error));
+      co_await wire_.refuse(refusal);
     }
   }
 
@@ -572,22 +538,11 @@ class StreamConnection final : public HttpConnection,
 
   // ---- the connection itself ----
 
-  beast::tcp_stream& lowest() {
-    return ws_ ? ws_->next_layer().next_layer() : stream_.next_layer();
-  }
-  asio::any_io_executor executor() { return lowest().get_executor(); }
-  /// Where there was no memory for a WebSocket, the stream went with what was made of it.
-  bool has_stream() const { return ws_.has_value() || static_cast<bool>(stream_); }
-  bool is_open() { return has_stream() && lowest().socket().is_open(); }
-  void close_socket() {
-    if (!has_stream()) return;
-    error_code ignored;
-    lowest().socket().close(ignored);
-  }
+  asio::any_io_executor executor() { return wire_.executor(); }
   void end() {
     if (session_) session_->close();
     // The writer of a WebSocket says farewell, and closes it then.
-    if (!ws_ || !session_) close_socket();
+    if (!wire_.websocket() || !session_) wire_.close();
     connections_->remove(id_);
   }
   void fail(const std::exception_ptr& failure) {
@@ -596,10 +551,8 @@ class StreamConnection final : public HttpConnection,
     connections_->remove(id_);
   }
 
-  WebStream stream_;
+  HttpWire wire_;
   std::shared_ptr<ssl::context> tls_;
-  std::optional<websocket::stream<WebStream>> ws_;
-  beast::flat_buffer buffer_{max_head_bytes + max_line_bytes};
   std::shared_ptr<HttpConnections> connections_;
   std::uint64_t id_;
   HttpConnectionInfo info_;
