@@ -69,7 +69,7 @@ class ScanInProgress {
 };
 
 bool heard_what_may_be_noise(const GatewayBus& bus) {
-  return !bus.is_can() && bus.heard().verdict().kind == tmcl::HeardKind::other_baud_rate;
+  return !bus.is_can() && bus.link().heard().verdict().kind == tmcl::HeardKind::other_baud_rate;
 }
 
 boost::asio::awaitable<tmcl::Result<Found>> scan_one(std::shared_ptr<GatewayBus> bus,

@@ -10,7 +10,7 @@ namespace {
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 using Readings = std::vector<tmcl::Result<AxisReading>>;
 using Numbers = std::vector<std::uint8_t>;
-using Samples = tmcl::Result<std::vector<ParameterSample>>;
+using Samples = std::vector<ParameterSample>;
 
 constexpr std::int32_t default_interval_ms = 50;
 
@@ -19,9 +19,9 @@ boost::asio::awaitable<tmcl::Result<AxisReading>> read_one(std::shared_ptr<Gatew
   co_return reading;
 }
 
-boost::asio::awaitable<Samples> sample(std::shared_ptr<GatewayAxis> axis, Numbers parameters,
-                                       std::uint64_t client) {
-  std::vector<ParameterSample> samples;
+boost::asio::awaitable<tmcl::Result<Samples>> sample(std::shared_ptr<GatewayAxis> axis,
+                                                     Numbers parameters, std::uint64_t client) {
+  Samples samples;
   for (const auto parameter : parameters) {
     const auto read = co_await axis->sample(parameter, client);
     if (!read) co_return tl::unexpected(read.error());
@@ -32,10 +32,10 @@ boost::asio::awaitable<Samples> sample(std::shared_ptr<GatewayAxis> axis, Number
 
 /// Of each axis that answers, as the subscription begins; nothing of the others. Errors: of a name
 /// that the model of one does not have.
-Task<std::vector<Samples>> first_samples(const Call& call, const Axes& axes,
-                                         const Readings& readings,
-                                         std::vector<std::string> parameters) {
-  std::vector<boost::asio::awaitable<Samples>> reads;
+Task<std::vector<tmcl::Result<Samples>>> first_samples(const Call& call, const Axes& axes,
+                                                       const Readings& readings,
+                                                       std::vector<std::string> parameters) {
+  std::vector<boost::asio::awaitable<tmcl::Result<Samples>>> reads;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     Numbers numbers;
     if (readings[i]) {
@@ -67,7 +67,8 @@ Error too_many() {
 
 /// Axes that do not answer are watched all the same: they may answer later.
 Subscription begin(Subscriptions& subscriptions, const Axes& axes, const Readings& readings,
-                   const std::vector<Samples>& samples, const Subscriptions::Wish& wish) {
+                   const std::vector<tmcl::Result<Samples>>& samples,
+                   const Subscriptions::Wish& wish) {
   std::vector<Subscriptions::Start> starts;
   Subscription result;
   for (std::size_t i = 0; i < axes.size(); ++i) {

@@ -181,7 +181,7 @@ api::axis::Units view_of(const GatewayAxis& axis, const std::optional<tmcl::Modu
 }
 
 api::bus::Bus view_of(const GatewayBus& bus) {
-  const auto counters = bus.counters();
+  const auto counters = bus.link().counters();
   return {bus.name(),
           to_string(bus.config().link),
           std::string(name_of(bus.state())),
@@ -201,7 +201,7 @@ api::bus::Heard view_of(const tmcl::HeardVerdict& heard, std::string_view link) 
 std::optional<api::bus::Heard> heard_on(const GatewayBus& bus) {
   if (bus.is_can()) return std::nullopt;
   const auto* port = std::get_if<tmcl::SerialName>(&bus.config().link);
-  return view_of(bus.heard().verdict(), port != nullptr ? "serial:" + port->device : "");
+  return view_of(bus.link().heard().verdict(), port != nullptr ? "serial:" + port->device : "");
 }
 
 api::module::Module view_of(const GatewayBus& bus, const GatewayModule& module) {

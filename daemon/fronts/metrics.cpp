@@ -90,7 +90,7 @@ void add_buses(Page& page, const Gateway& gateway) {
   for (const auto& counter : counters) {
     for (const auto& bus : gateway.buses()) {
       page.add(counter.name, counter.help, MetricType::Counter, {{"bus", bus->name()}},
-               static_cast<double>(bus->counters().*counter.of));
+               static_cast<double>(bus->link().counters().*counter.of));
     }
   }
   for (const auto& bus : gateway.buses()) {

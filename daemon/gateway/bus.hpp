@@ -71,9 +71,6 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   State state() const { return link_.state(); }
   /// Why the link is not open; empty while it is.
   const std::string& error() const { return link_.error(); }
-  /// Since the daemon started, over all openings.
-  tmcl::BusCounters counters() const { return link_.counters(); }
-  const tmcl::Heard& heard() const { return link_.heard(); }
   /// How many exchanges wait for their turn.
   std::size_t queued() const { return line() ? line()->queued() : 0; }
   BusLink& link() { return link_; }

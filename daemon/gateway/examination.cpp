@@ -90,7 +90,7 @@ struct Asked {
 };
 
 Asked asked_since(const GatewayBus& bus, const tmcl::BusCounters& before) {
-  const auto now = bus.counters();
+  const auto now = bus.link().counters();
   return {now.requests - before.requests, now.timeouts - before.timeouts,
           now.garbage_bytes - before.garbage_bytes};
 }
@@ -110,7 +110,7 @@ void look_at_traffic(const GatewayBus& bus, const tmcl::BusCounters& before, con
   notes.note(Check::noise, heard.garbage_bytes > 0,
              heard.garbage_bytes > 0 ? fmt::format("{} came just now", heard.garbage_bytes)
                                      : fmt::format("none just now, {} since it was opened",
-                                                   bus.counters().garbage_bytes));
+                                                   bus.link().counters().garbage_bytes));
 }
 
 // ---- a module -----------------------------------------------------------------------------------
@@ -353,7 +353,7 @@ awaitable<Findings> examine(std::shared_ptr<Gateway> gateway, Examined what) {
   for (const auto& bus : what.buses) {
     look_at_link(*bus, {findings, bus->name()});
     if (bus->state() != GatewayBus::State::open) continue;
-    const auto before = bus->counters();
+    const auto before = bus->link().counters();
     Asked in_vain;
     std::vector<tmcl::ModuleAddress> addresses;
     for (const auto& axis : what.axes)
@@ -361,7 +361,7 @@ awaitable<Findings> examine(std::shared_ptr<Gateway> gateway, Examined what) {
         addresses.push_back(axis->address().module);
     for (const auto address : addresses) {
       auto name = fmt::format("{}:{}", bus->name(), number(address));
-      const auto before_it = bus->counters();
+      const auto before_it = bus->link().counters();
       const bool answers = co_await look_at_module(*bus, bus->add_module(address), what.client,
                                                    {findings, std::move(name)});
       if (!answers) {

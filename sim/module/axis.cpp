@@ -358,7 +358,7 @@ Status Axis::start_search() {
 }
 
 void Axis::stop_search() {
-  if (searching()) stop();
+  if (search_step() != 0) stop();
 }
 
 }  // namespace tmcl::sim

@@ -69,8 +69,7 @@ class Axis {
   Status start_search();
   /// RFS STOP: the motor comes to a stop as well.
   void stop_search();
-  bool searching() const { return search_.homing().active(); }
-  /// What RFS STATUS answers: 0, or the step that the search is at.
+  /// What RFS STATUS answers: 0 without a search, or the step that it is at.
   std::int32_t search_step() const { return search_.homing().step(); }
 
   /// Global parameters 79 and 90, where a module has them.

@@ -66,7 +66,7 @@ MotorConditions ProgramCommands::motor(std::size_t number) const {
   const auto& switches = axis.switches();
   return {
       .at_target = axis.position_reached(),
-      .searching = axis.searching(),
+      .searching = axis.search_step() != 0,
       .home_switch = switches.home,
       .left_switch = switches.left,
       .right_switch = switches.right,

@@ -151,7 +151,7 @@ TEST_F(SimHoming, DoesTheSameOnEveryFamily) {
       clock.advance_to(other.next_due());
       other.run_due();
     }
-    EXPECT_FALSE(module.axis(0).searching());
+    EXPECT_EQ(module.axis(0).search_step(), 0);
     EXPECT_EQ(module.axis(0).get(ap::actual_position), 0);
     EXPECT_NEAR(static_cast<double>(module.stage(0).position()), -30'000, 1);
   }

@@ -41,7 +41,7 @@ bool are_free(const Axes& axes) {
 
 awaitable<tmcl::Result<std::vector<Claim>>> claim_all(Axes axes, ClaimOwner claim_owner) {
   tmcl::Timer timer(co_await boost::asio::this_coro::executor);
-  const auto limit = timer.now() + Motors::time_to_be_free;
+  const auto limit = timer.now() + time_to_be_free;
   while (true) {
     auto failure = co_await look(axes, claim_owner.of);
     // While one of them was looked at, another may have been claimed.

@@ -44,7 +44,7 @@ Gate::Script<void> Gate::may_send(tmcl::Request request, Permit permit, Asks ask
 Gate::Script<void> Gate::see_end_of_line(tmcl::AxisAddress motor) {
   const auto claim_owner = motors_.claim_owner_of(motor);
   const bool ends = co_await has_arrived(motor);
-  const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
+  const auto looks = ends ? time_to_be_free / claim_look_interval : 0;
   for (auto i = looks; i > 0 && motors_.claim_owner_of(motor) == claim_owner; --i)
     co_await tmcl::pause(claim_look_interval);
   co_return tmcl::Result<void>{};

@@ -97,6 +97,10 @@ constexpr bool may_turn_in(const tmcl::ModeParameter& mode, std::int32_t value) 
 
 class Motors;
 
+/// A call waits for so long for a line or path that is over, to move one of its axes: it may still
+/// be about to give its axes their settings back.
+inline constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
+
 /// Only one call moves a motor, for as long as this lives. Must not outlive the Motors it is of.
 class Claim {
   friend class Motors;
@@ -154,9 +158,6 @@ class Motors {
   /// Motors without an axis, of which the last stop is known. When there are more,
   /// all of them count as stopped now.
   static constexpr std::size_t most_other_motors = 256;
-  /// How long a call waits for a line or path that is over, to move one of its axes: it may still
-  /// be about to give its axes their settings back.
-  static constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
 
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}

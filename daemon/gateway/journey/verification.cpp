@@ -71,7 +71,7 @@ GatewayAxis::Awaitable<void> Course::prepare() {
   options_.greatest_acceleration = greatest->acceleration;
   options_.expected = axis().module().traits();
   options_.free_address = free_address_of(axis().bus());
-  options_.strays = [this] { return axis().bus().counters().unexpected_replies; };
+  options_.strays = [this] { return axis().bus().link().counters().unexpected_replies; };
   options_.wire_time = wire_time(axis().bus());
   options_.tell = [this](const std::string& what) { tell(what); };
   auto settings = co_await keep_settings(axis(), tmcl::verify_parameters(*options_.model));

@@ -47,15 +47,14 @@ struct RampSearchFault {
 };
 /// A sentence without a full stop.
 std::string describe(const RampSearchFault& fault, const RampSearch& search);
-template <class T>
-using Sought = tl::expected<T, RampSearchFault>;
 
 /// With the least acceleration, and then the least velocity, with which the move takes no longer
 /// than this.
-Sought<FoundRamp> gentlest_ramp(const RampSearch& search, double seconds);
+tl::expected<FoundRamp, RampSearchFault> gentlest_ramp(const RampSearch& search, double seconds);
 
 /// With which the move takes the shortest time of all that ask for no more than their part of the
 /// torque that is there.
-Sought<FoundRamp> quickest_ramp(const RampSearch& search, const MotorWish& motor);
+tl::expected<FoundRamp, RampSearchFault> quickest_ramp(const RampSearch& search,
+                                                       const MotorWish& motor);
 
 }  // namespace tmcl::plan

@@ -68,7 +68,7 @@ class Trials {
   }
 
   /// With what is told of a ramp that was asked for.
-  Sought<FoundRamp> found(const Tried& best) const {
+  tl::expected<FoundRamp, RampSearchFault> found(const Tried& best) const {
     const RampWish wish{
         {best.velocity, "microsteps/s"}, {best.acceleration, "microsteps/s^2"}, {}, search_.jerk};
     auto planned = plan_ramp(wish, search_.units, search_.present_bow);
@@ -99,7 +99,7 @@ class Trials {
 };
 
 /// Whether there is something to try at all.
-Sought<Trials> trials_of(const RampSearch& search) {
+tl::expected<Trials, RampSearchFault> trials_of(const RampSearch& search) {
   const RampWish wish{{1, "microsteps/s"}, {1, "microsteps/s^2"}, {}, search.jerk};
   auto request = ramp_request(wish, search.units, search.present_bow);
   if (!request) {
@@ -133,7 +133,7 @@ class GentlestRamp {
   /// A ramp up and a ramp down, one after the other, ask for the least acceleration: velocities
   /// above their peak make no difference, but that the dividers of a TMC429 follow from them, and
   /// make some accelerations coarse.
-  Sought<FoundRamp> find() {
+  tl::expected<FoundRamp, RampSearchFault> find() {
     constexpr double lowest = 0.7;
     constexpr double step = 1.1;
     constexpr int velocities = 24;
@@ -208,7 +208,7 @@ class QuickestRamp {
   QuickestRamp(const Trials& trials, const MotorWish& motor)
       : trials_(trials), motor_(motor), most_share_(1 / (1 + motor.margin)) {}
 
-  Sought<FoundRamp> find() {
+  tl::expected<FoundRamp, RampSearchFault> find() {
     constexpr int parts = 48;
     constexpr double slowest = 1e-3;  // of the fastest
     const double fastest = fastest_with_torque();
@@ -322,12 +322,13 @@ std::string describe(const RampSearchFault& fault, const RampSearch& search) {
   return fmt::format("how a {} makes {} is not described", model, move);
 }
 
-Sought<FoundRamp> gentlest_ramp(const RampSearch& search, double seconds) {
+tl::expected<FoundRamp, RampSearchFault> gentlest_ramp(const RampSearch& search, double seconds) {
   return trials_of(search).and_then(
       [&](const Trials& trials) { return GentlestRamp(trials, seconds).find(); });
 }
 
-Sought<FoundRamp> quickest_ramp(const RampSearch& search, const MotorWish& motor) {
+tl::expected<FoundRamp, RampSearchFault> quickest_ramp(const RampSearch& search,
+                                                       const MotorWish& motor) {
   return trials_of(search).and_then(
       [&](const Trials& trials) { return QuickestRamp(trials, motor).find(); });
 }
