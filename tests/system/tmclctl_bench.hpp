@@ -146,7 +146,10 @@ class OnTerminal {
     }
     return true;
   }
-  void press(char key) const { [[maybe_unused]] const auto written = ::write(terminal_, &key, 1); }
+  void press(char key) const { type({&key, 1}); }
+  void type(std::string_view keys) const {
+    [[maybe_unused]] const auto written = ::write(terminal_, keys.data(), keys.size());
+  }
   void press_ctrl_c() const { press('\x03'); }
   void press_ctrl_z() const { press('\x1a'); }
   /// The exit code of the program; 128 and the signal where one ended it.

@@ -145,6 +145,56 @@ TEST_F(HeldKeys, StepsHaveBounds) {
   EXPECT_EQ(keys.step_power(), -4);
 }
 
+Key release_of(Key key) {
+  key.is_release = true;
+  return key;
+}
+
+TEST_F(HeldKeys, AReleaseStopsItsAxisAtOnceAndNoOther) {
+  press(right);
+  press(up);
+  pass(100ms);
+  keys.look({release_of(right)}, now);
+  EXPECT_THAT(keys.take_released(), ElementsAre(0U));
+  EXPECT_THAT(keys.take_released(), IsEmpty()) << "once";
+  EXPECT_FALSE(keys.take_stop());
+  EXPECT_THAT(going_with(up), ElementsAre(Going{1, 1, 100, 500ms})) << "it goes on";
+}
+
+TEST_F(HeldKeys, APressBehindAReleaseIsANewOne) {
+  press(right);
+  pass(100ms);
+  keys.look({release_of(right)}, now);
+  EXPECT_THAT(going_with(right), ElementsAre(Going{0, 1, 100, 600ms}));
+}
+
+TEST_F(HeldKeys, TheReleaseOfAnotherKeyEndsNothing) {
+  press(right);
+  press(left);
+  for (const auto key : {right, page_down, letter('x')}) keys.look({release_of(key)}, now);
+  EXPECT_THAT(keys.take_released(), IsEmpty()) << "it turns to the left by now";
+  EXPECT_FALSE(keys.take_stop());
+}
+
+TEST_F(HeldKeys, APressWhoseReleaseIsReadAlongWithItMovesNothing) {
+  keys.look({right, release_of(right)}, now);
+  EXPECT_THAT(keys.take_going(now), IsEmpty());
+  EXPECT_THAT(keys.take_released(), IsEmpty());
+}
+
+TEST_F(HeldKeys, AReleaseIsNeverStale) {
+  press(right);
+  now += 2s;
+  keys.look({release_of(right)}, now);
+  EXPECT_THAT(keys.take_released(), ElementsAre(0U));
+}
+
+TEST_F(HeldKeys, EachPressIsAStepWhereReleasesAreReported) {
+  press(letter('\t'));
+  for (int i = 0; i < 3; ++i, pass(50ms)) keys.look({right, release_of(right)}, now);
+  EXPECT_THAT(keys.take_steps(), ElementsAre(Step{0, 1}, Step{0, 1}, Step{0, 1}));
+}
+
 class CtlJog : public testing::Test, public test::Ctl {};
 
 TEST_F(CtlJog, NeedsATerminal) {

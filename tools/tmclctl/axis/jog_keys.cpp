@@ -34,12 +34,15 @@ void JogKeys::look(const std::vector<Key>& keys, tmcl::TimePoint now) {
   const bool is_stale = looked_at_ && now - *looked_at_ > stale_after;
   looked_at_ = now;
   for (const auto key : keys)
-    if (!is_stale || !arrow_of(key)) press(key, now);
+    if (!is_stale || key.is_release || !arrow_of(key)) press(key, now);
 }
 
 void JogKeys::press(Key key, tmcl::TimePoint now) {
   const auto arrow = arrow_of(key);
-  if (arrow && arrow->axis < axes_.size()) return hold(*arrow, now);
+  const bool is_of_axis = arrow && arrow->axis < axes_.size();
+  if (is_of_axis && key.is_release) return release(*arrow);
+  if (key.is_release) return;
+  if (is_of_axis) return hold(*arrow, now);
   if (key.kind == Key::Kind::letter) return press_letter(key.letter);
   stop();
 }
@@ -67,9 +70,18 @@ void JogKeys::hold(Step arrow, tmcl::TimePoint now) {
   if (makes_steps_ && !repeats) steps_.push_back(arrow);
 }
 
+/// The other key of the axis may be held by now.
+void JogKeys::release(Step arrow) {
+  auto& axis = axes_[arrow.axis];
+  if (axis.direction != arrow.direction) return;
+  if (axis.told_direction == arrow.direction) released_.push_back(arrow.axis);
+  axis = Axis{};
+}
+
 void JogKeys::stop() {
   std::ranges::fill(axes_, Axis{});
   steps_.clear();
+  released_.clear();
   stops_ = true;
 }
 

@@ -1,8 +1,8 @@
 /// What keys mean that are held down to jog axes. No I/O, no clock.
 ///
-/// A terminal tells that a key is pressed, and again and again while it is held down, but not that
-/// it is released. So a press holds as long as a keyboard takes until it repeats the key, and each
-/// repeat until the next one.
+/// A terminal reports that a key is pressed, and again and again while it is held down. Few report
+/// that it is released. So a press holds as long as a keyboard takes until it repeats the key, and
+/// each repeat until the next one; a release that is reported ends both.
 #pragma once
 
 #include <chrono>
@@ -45,6 +45,8 @@ class JogKeys {
     bool operator==(const Step&) const = default;
   };
   std::vector<Step> take_steps() { return std::exchange(steps_, {}); }
+  /// Axes whose key was released while they went on: to be stopped at once. Each is given once.
+  std::vector<std::size_t> take_released() { return std::exchange(released_, {}); }
   /// All axes are to be stopped at once; given once.
   bool take_stop() { return std::exchange(stops_, false); }
   bool has_ended() const { return ended_; }
@@ -66,10 +68,12 @@ class JogKeys {
   void press(Key key, tmcl::TimePoint now);
   void press_letter(char letter);
   void hold(Step arrow, tmcl::TimePoint now);
+  void release(Step arrow);
   void stop();
 
   std::vector<Axis> axes_;
   std::vector<Step> steps_;
+  std::vector<std::size_t> released_;
   std::optional<tmcl::TimePoint> looked_at_;
   int percent_ = 100;
   int step_power_ = 0;

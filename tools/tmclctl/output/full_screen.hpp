@@ -26,6 +26,9 @@ class FullScreen {
   int width() const;  ///< In columns, as it is now.
   /// Lines that do not fit are left out, and so is what does not fit of a line.
   void show(const std::vector<std::string>& lines);
+  /// From now on take_key() gives releases of arrow and page keys, too, if the terminal can report
+  /// them: those that speak kitty's keyboard protocol do.
+  void report_releases();
   /// The next key that was pressed; nothing if none was.
   std::optional<Key> take_key();
 

@@ -17,7 +17,8 @@ struct Key {
     other,
   };
   Kind kind = Kind::other;
-  char letter = '\0';  ///< Of a letter.
+  char letter = '\0';       ///< Of a letter.
+  bool is_release = false;  ///< Of an arrow or page key, where a terminal reports that.
   bool operator==(const Key&) const = default;
 };
 

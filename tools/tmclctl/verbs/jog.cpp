@@ -1,6 +1,7 @@
 // jog.
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -97,7 +98,8 @@ class Jog {
     std::vector<Key> pressed;
     while (const auto key = screen_.take_key()) pressed.push_back(*key);
     keys_.look(pressed, context_.host.now());
-    if (!keys_.take_stop()) return {};
+    const auto released = keys_.take_released();
+    if (!keys_.take_stop()) return stop(released);
     message_ = "stopped";
     return stop_all();
   }
@@ -131,10 +133,16 @@ class Jog {
   }
 
   Result<void> stop_all() {
+    std::vector<std::size_t> all(verb_.axes.size());
+    std::iota(all.begin(), all.end(), 0);
+    return stop(all);
+  }
+
+  Result<void> stop(const std::vector<std::size_t>& axes) {
     std::optional<Error> failed;
-    for (const auto& axis : verb_.axes) {
-      const auto stopped =
-          context_.call(api::axis::Stop{axis}, {.timeout = time_for_call, .meanwhile = {}});
+    for (const auto axis : axes) {
+      const auto stopped = context_.call(api::axis::Stop{verb_.axes[axis]},
+                                         {.timeout = time_for_call, .meanwhile = {}});
       if (!stopped) failed = stopped.error();
     }
     if (failed) return tl::unexpected(std::move(*failed));
@@ -201,6 +209,7 @@ Result<ExitCode> run(const verb::Jog& verb, Context& context) {
   Result<void> ended;
   {
     const auto screen = FullScreen::open(context.output.out_screen);
+    if (screen) (*screen)->report_releases();
     ended = screen ? Jog(verb, std::move(speeds), **screen, context).run(*lease)
                    : tl::unexpected(screen.error());
   }
@@ -215,9 +224,10 @@ and PgUp the third. 1 to 9 choose 10 to 90 % of --velocity, 0 all of it. Tab mak
 for each press: + and - make them ten times longer or shorter, from 1 of the axis' unit, or from 1
 microstep. Any other key stops all of them at once, and q ends this.
 
-A terminal does not tell when a key is released. So an axis goes on for 0.6 s after a press, and for
-0.15 s after each repeat; then its module stops it by itself. So it does when this program, tmcld or
-the cable is gone. Nothing goes beyond soft limits. The axes are leased meanwhile. It needs a terminal.
+Where the terminal reports that a key is released (kitty, foot, ghostty, WezTerm: kitty's keyboard
+protocol), the axis stops at once. Others report presses and repeats only: an axis goes on for 0.6 s
+after a press, and for 0.15 s after each repeat; then its module stops it by itself. So it does when
+this program, tmcld or the cable is gone. Nothing goes beyond soft limits. The axes are leased meanwhile. It needs a terminal.
 
   exit 0   ended; the axes were stopped
        4   a stop was not confirmed: an axis may still move to where it was told
