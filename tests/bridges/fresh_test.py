@@ -35,14 +35,22 @@ class Gateway:
 
     def __init__(self):
         self.called = []
+        self.said = {}
         self.granting = asyncio.Event()
 
     async def call(self, method, said):
         self.called.append(method)
+        self.said[method] = said
         if method == "lease.acquire":
             await self.granting.wait()
             return {"lease": 1, "epoch": 2}
         return {}
+
+    def axis(self, name):
+        return self
+
+    async def wait(self):
+        """Its moves end at once."""
 
 
 class FreshTest(unittest.TestCase):
@@ -88,6 +96,19 @@ class FreshTest(unittest.TestCase):
             self.assertEqual(gateway.called, ["lease.acquire", "axis.stop", "lease.release"])
 
         asyncio.run(scene())
+
+    def test_a_position_is_in_the_unit_of_the_state_before_the_units_are_known(self):
+        async def scene(unit):
+            self.clock.gateway = gateway = Gateway()
+            self.clock.lease_ttl = 2.0
+            gateway.granting.set()
+            self.axis._know(State(axis="x", unit=unit))
+            await self.axis.move(2.5)
+            return gateway.said["axis.move_to"]
+
+        self.assertEqual(asyncio.run(scene("mm"))["position"], 2.5)
+        self.axis = Follower(self.clock, AxisChoice("x", "move", {}))
+        self.assertEqual(asyncio.run(scene(None))["position_microsteps"], 2)
 
     def test_says_what_is_wrong_in_a_configuration(self):
         wrong = {

@@ -204,14 +204,12 @@ class Follower:
 
     async def move(self, to: float) -> None:
         """In the unit of the axis, or in microsteps if it has none. Returns when it has begun."""
-        has_unit = self.units is not None and self.units.unit is not None
-        said = {"position": to} if has_unit else {"position_microsteps": round(to)}
+        said = {"position": to} if self._has_unit() else {"position_microsteps": round(to)}
         await self._begin("axis.move_to", said, self._stand)
 
     async def jog(self, velocity: float, hold: float) -> None:
         """Goes on for `hold` seconds, and longer if it is called again before that."""
-        has_unit = self.units is not None and self.units.unit is not None
-        said = {"velocity": velocity} if has_unit else {"velocity_internal": round(velocity)}
+        said = {"velocity": velocity} if self._has_unit() else {"velocity_internal": round(velocity)}
 
         async def held() -> None:
             await asyncio.sleep(hold)
@@ -267,6 +265,10 @@ class Follower:
             except Error as error:
                 self._lose(str(error))
             await asyncio.sleep(LOOK_S)
+
+    def _has_unit(self) -> bool:
+        """By the state, which may be there before the units are."""
+        return self._state is not None and self._state.unit is not None
 
     def _know(self, state: State | WatchedState) -> None:
         self._state, self._seen, self._trouble = state, self._bridge.now(), None
