@@ -118,6 +118,12 @@ class Bridge:
         """As `ask`, without waiting for the answer."""
         return asyncio.run_coroutine_threadsafe(work, self._loop)
 
+    def close(self) -> None:
+        """Ends the connection, by which tmcld stops what was moved here. Nothing may be asked after."""
+        self.begin(self._end())
+        self._thread.join()
+        self._loop.close()
+
     def now(self) -> float:
         return self._loop.time()
 
@@ -136,6 +142,15 @@ class Bridge:
         self.later(self._tick())
         self.later(self._connect())
         self._loop.run_forever()
+
+    async def _end(self) -> None:
+        others = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in others:
+            task.cancel()
+        await asyncio.gather(*others, return_exceptions=True)
+        if self.gateway is not None:
+            await self.gateway.close()
+        self._loop.stop()
 
     def later(self, work: Coroutine[Any, Any, None]) -> None:
         """In the bridge's thread: beside what goes on."""

@@ -1,0 +1,1 @@
+"""See move_utility_classes."""

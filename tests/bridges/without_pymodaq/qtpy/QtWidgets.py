@@ -1,0 +1,3 @@
+class QApplication:
+    def __init__(self, words):
+        pass

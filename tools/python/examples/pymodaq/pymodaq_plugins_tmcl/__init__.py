@@ -1,0 +1,1 @@
+"""Axes of a tmcld as actuators of PyMoDAQ: docs/bridges/pymodaq.md."""
