@@ -2,9 +2,11 @@
 
 import os
 import pathlib
+import random
 import signal
 import socket
 import subprocess
+import sys
 import time
 import unittest
 
@@ -16,6 +18,10 @@ LONGEST_S = 60.0
 PAUSE_S = 0.02
 #: So often an axis is looked at before it counts as one that stays where it is.
 LOOKS = 20
+#: Where a test moves to: it takes minutes to get there.
+FAR = 1200.0
+#: So often each fault comes in the middle of a move.
+ROUNDS = int(os.environ.get("TMCL_ROUNDS", "2"))
 
 
 def free_port():
@@ -98,3 +104,61 @@ class BridgeTest(unittest.TestCase):
             self.assertFalse(state.moving)
             self.assertEqual(state.position_microsteps, where)
             time.sleep(PAUSE_S)
+
+
+class Faults:
+    """For a BridgeTest: nothing that breaks in a move moves anything afterwards. The test has
+    `bridge`, a process, and `start_bridge`; `set_off(to)`, which returns when the move was taken;
+    `wait_for_loss`, until the control system says that nothing is known; `wait_until_back`, until it
+    does not; `stop`, as a person would; and `wait_until_well`, until there is no fault any more."""
+
+    def test_no_fault_in_a_move_moves_anything_afterwards(self):
+        seed = int(os.environ.get("TMCL_SEED", random.randrange(10**6)))
+        print(f"TMCL_SEED={seed}", file=sys.stderr)
+        choose = random.Random(seed)
+        done = dict.fromkeys(self.faults(), 0)
+        for _ in range(ROUNDS):
+            for fault in choose.sample(list(done), len(done)):
+                with self.subTest(fault=fault, before=dict(done)):
+                    self.break_a_move(fault, choose)
+                    done[fault] += 1
+        print(f"nothing moved afterwards: {done}", file=sys.stderr)
+
+    def faults(self):
+        return {
+            "kill bridge": self.kill_bridge,
+            "freeze bridge": self.freeze_bridge,
+            "kill tmcld": self.kill_daemon,
+            "freeze tmcld": lambda: self.lose(self.freeze_daemon, self.resume_daemon),
+            "cut bus": lambda: self.lose(self.freeze_simulator, self.resume_simulator),
+        }
+
+    def break_a_move(self, fault, choose):
+        where = self.second.x.position
+        low = where > 0 and choose.random() < 0.5
+        self.set_off(-90 + choose.random() if low else FAR - choose.random())
+        until(lambda: abs(self.second.x.position - where) > choose.random(), "it is on its way")
+        self.faults()[fault]()
+        self.wait_until_well()
+        self.assert_stays(self.stands())
+
+    def kill_bridge(self):
+        self.end(self.bridge)
+        self.start_bridge()
+
+    def freeze_bridge(self):
+        freeze(self.bridge.pid)
+        self.stands()
+        self.bridge.send_signal(signal.SIGCONT)
+
+    def kill_daemon(self):
+        self.bench.stop_daemon(kill=True)
+        self.wait_for_loss()
+        self.bench.start_daemon()
+
+    def lose(self, hold, resume):
+        hold()
+        self.wait_for_loss()
+        resume()
+        self.wait_until_back()
+        self.stop()

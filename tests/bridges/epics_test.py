@@ -12,13 +12,12 @@ if find_spec("caproto") is None:
     print("skipped: Python has no caproto, nor has Debian; PYTHONPATH may name its folder")
     sys.exit(0)
 
-from bridge_bench import LONGEST_S, LOOKS, PAUSE_S, ROOT, BridgeTest, free_port, freeze, until
+from bridge_bench import FAR, LONGEST_S, LOOKS, PAUSE_S, ROOT
+from bridge_bench import BridgeTest, Faults, free_port, freeze, until
 from caproto import AlarmSeverity, ErrorResponseReceived
 from caproto.sync.client import read, write
 
 IOC = ROOT / "tools/bridges/epics/tmcl-ioc"
-#: Where a test moves to: it takes minutes to get there.
-FAR = 1200.0
 #: A search that was lost is sent once more after half of that.
 READ_S = 2.0
 NOT_SENT = ("axis_lost", "stale_request", "no_answer", "lease_lost", "not_connected")
@@ -374,6 +373,26 @@ class Broken(EpicsTest):
                         where = self.stands()
                         self.start_ioc()
                     self.assert_stays(where)
+
+
+class Rounds(EpicsTest, Faults):
+    start_bridge = EpicsTest.start_ioc
+
+    @property
+    def bridge(self):
+        return self.ioc
+
+    def wait_for_loss(self):
+        self.wait_for("INVALID")
+
+    def wait_until_back(self):
+        until(lambda: self.get("SEVR") != "INVALID", "it is back")
+
+    def stop(self):
+        self.put("STOP", 1)
+
+    def wait_until_well(self):
+        self.wait_for("NO_ALARM")
 
 
 if __name__ == "__main__":

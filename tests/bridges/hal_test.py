@@ -1,15 +1,18 @@
 """tmcl-hal in the HAL of LinuxCNC, without its realtime part, beside a second client of the same tmcld."""
 
+import itertools
 import os
 import signal
 import subprocess
+import sys
+import time
 import unittest
 
-from bridge_bench import LONGEST_S, ROOT, BridgeTest, freeze, until
+from bridge_bench import FAR, LONGEST_S, PAUSE_S, ROOT, BridgeTest, Faults, freeze, until
+
+from tmcl.bridge import ANSWER_S
 
 COMPONENT = ROOT / "tools/bridges/hal/tmcl-hal"
-#: Where a test moves to: it takes minutes to get there.
-FAR = 1200.0
 
 
 def halcmd(*words):
@@ -66,10 +69,27 @@ class HalTest(BridgeTest):
         self.wait_for("x.enabled", "TRUE")
 
     def move(self, to):
-        self.enable()
-        self.set("x.target", to)
-        until(lambda: self.second.x.moving, "it moves")
+        """As a person: asks again for another target where this one was refused, or was not seen,
+        because the computer is busy."""
+        targets = itertools.count(to, 0.001)
 
+        def begun():
+            self.enable()
+            self.set("x.target", next(targets))
+            end = time.monotonic() + ANSWER_S + 1
+            while time.monotonic() < end:
+                if self.second.x.moving:
+                    return True
+                time.sleep(PAUSE_S)
+            print("asked again", file=sys.stderr)
+            self.set("x.enable", 0)
+            self.wait_for("x.fault", "FALSE")
+            return False
+
+        until(begun, "it moves")
+
+
+class HalPins(HalTest):
     def test_moves_when_the_target_changes_while_it_is_enabled(self):
         self.enable()
         self.set("x.target", 2.5)
@@ -140,6 +160,36 @@ class HalTest(BridgeTest):
                     where = self.stands()
                     self.start_component()
                 self.assert_stays(where)
+
+
+class Rounds(HalTest, Faults):
+    """The target of the broken move stays in its pin, and moves nothing when the axis is enabled again."""
+
+    set_off = HalTest.move
+
+    @property
+    def bridge(self):
+        return self.component
+
+    def start_bridge(self):
+        self.end_component()
+        self.start_component()
+
+    def wait_for_loss(self):
+        self.wait_for("x.fault", "TRUE")
+
+    def wait_until_back(self):
+        self.wait_for("x.enabled", "TRUE")
+
+    def stop(self):
+        self.set("x.enable", 0)
+
+    def wait_until_well(self):
+        self.stop()
+        self.wait_for("x.fault", "FALSE")
+        where = self.stands()
+        self.enable()
+        self.assert_stays(where)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,10 @@ import sys
 import threading
 import unittest
 
-from bridge_bench import LONGEST_S, ROOT, BridgeTest, freeze, until
+from bridge_bench import FAR, LONGEST_S, ROOT, BridgeTest, Faults, freeze, until
 
 import tmcl
 
-#: Where a test moves to: it takes minutes to get there.
-FAR = 1200.0
 PLUGIN = ROOT / "tools/python/examples/pymodaq"
 STAND_IN = ROOT / "tests/bridges/without_pymodaq"
 
@@ -116,7 +114,7 @@ class PymodaqTest(BridgeTest):
                 [sys.executable, "-c", HOST, json.dumps(settings)], stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE, stderr=log, text=True,
             )
-        self.addCleanup(self.end_host)
+        self.addCleanup(self.end_host, self.host)
         self.said = []
         threading.Thread(target=self.listen, args=(self.host, self.said), daemon=True).start()
         until(self.is_initialized, lambda: f"it is initialized; it said {self.said}")
@@ -130,10 +128,10 @@ class PymodaqTest(BridgeTest):
             [name, said[1]] for name, said in self.do("ini_stage") if name == "ini_stage"
         ]
 
-    def end_host(self):
-        self.end(self.host)
-        self.host.stdin.close()
-        self.host.stdout.close()
+    def end_host(self, host):
+        self.end(host)
+        host.stdin.close()
+        host.stdout.close()
 
     def do(self, name, *said):
         """What the plugin emitted meanwhile."""
@@ -161,6 +159,12 @@ class PymodaqTest(BridgeTest):
             return not wrong
 
         until(begun, f"it takes {to}")
+
+    def becomes_unknown(self):
+        until(lambda: math.isnan(self.value()), "its value is none")
+
+    def becomes_known(self):
+        until(lambda: not math.isnan(self.value()), "it has a value again")
 
     def arrives(self, since):
         until(lambda: self.told("move_done", since), lambda: f"its end; {self.said[since:]}")
@@ -230,7 +234,7 @@ class Told(PymodaqTest):
 
     def test_the_other_axis_is_another_actuator(self):
         self.do("close")
-        self.end_host()
+        self.end_host(self.host)
         self.start_host([["multiaxes", "axis"], "y"])
         before = len(self.said)
         self.move(1.0)
@@ -254,12 +258,6 @@ class InSession(PymodaqTest):
 
 
 class Broken(PymodaqTest):
-    def becomes_unknown(self):
-        until(lambda: math.isnan(self.value()), "its value is none")
-
-    def becomes_known(self):
-        until(lambda: not math.isnan(self.value()), "it has a value again")
-
     def test_a_killed_gateway_has_no_value_and_ends_a_move(self):
         before = len(self.said)
         self.move(FAR)
@@ -297,10 +295,25 @@ class Broken(PymodaqTest):
                     self.host.send_signal(signal.SIGCONT)
                     self.becomes_known()
                 else:
-                    self.end_host()
+                    self.end_host(self.host)
                     where = self.stands()
                     self.start_host()
                 self.assert_stays(where)
+
+
+class Rounds(PymodaqTest, Faults):
+    start_bridge = PymodaqTest.start_host
+    set_off = PymodaqTest.move
+    wait_for_loss = PymodaqTest.becomes_unknown
+    wait_until_back = PymodaqTest.becomes_known
+    wait_until_well = PymodaqTest.becomes_known
+
+    @property
+    def bridge(self):
+        return self.host
+
+    def stop(self):
+        self.do("stop_motion")
 
 
 if __name__ == "__main__":

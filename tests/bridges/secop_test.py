@@ -9,11 +9,9 @@ import sys
 import unittest
 from importlib.util import find_spec
 
-from bridge_bench import LONGEST_S, ROOT, BridgeTest, free_port, freeze, until
+from bridge_bench import FAR, LONGEST_S, ROOT, BridgeTest, Faults, free_port, freeze, until
 
 FRAPPY = pathlib.Path(os.environ["FRAPPY"])
-#: Where a test moves to: it takes minutes to get there.
-FAR = 1200.0
 IDLE, WARN, BUSY, ERROR = 100, 200, 300, 400
 
 
@@ -40,7 +38,7 @@ Mod('x', 'tmcl_secop.Axis', 'a stage', axis='x', gateway='{self.bench.socket}',
             sys.executable, FRAPPY / "bin/frappy-server", "bench", "-c", self.configuration
         )
         self.connection = until(self.connect, "the server answers")
-        self.wait_for(IDLE)
+        self.wait_for(IDLE, WARN)
 
     def connect(self):
         made = socket.create_connection(("127.0.0.1", self.port), LONGEST_S)
@@ -66,6 +64,8 @@ Mod('x', 'tmcl_secop.Axis', 'a stage', axis='x', gateway='{self.bench.socket}',
     def move(self, to):
         until(lambda: self.call("change", "x:target", str(to)) == to, f"it takes {to}")
 
+
+class Told(SecopTest):
     def test_moves_where_it_is_told_and_no_target_of_its_configuration_does(self):
         self.assert_stays(0)
         self.move(2.5)
@@ -103,6 +103,27 @@ Mod('x', 'tmcl_secop.Axis', 'a stage', axis='x', gateway='{self.bench.socket}',
         self.move(FAR)
         self.end(self.server)
         self.assert_stays(self.stands())
+
+
+class Rounds(SecopTest, Faults):
+    start_bridge = SecopTest.start_server
+    set_off = SecopTest.move
+
+    @property
+    def bridge(self):
+        return self.server
+
+    def wait_for_loss(self):
+        self.wait_for(ERROR)
+
+    def wait_until_back(self):
+        self.wait_for(IDLE, WARN, BUSY)
+
+    def stop(self):
+        self.call("do", "x:stop")
+
+    def wait_until_well(self):
+        self.wait_for(IDLE, WARN)
 
 
 if __name__ == "__main__":

@@ -1,21 +1,15 @@
 """tmcl-tango as a process, without a database, beside a second client of the same tmcld."""
 
-import os
-import random
 import signal
-import sys
 import unittest
 from concurrent.futures import ThreadPoolExecutor
 
-from bridge_bench import LONGEST_S, ROOT, BridgeTest, free_port, freeze, until
+from bridge_bench import FAR, LONGEST_S, ROOT, BridgeTest, Faults, free_port, freeze, until
 
 import tango
 import tmcl
 
 SERVER = ROOT / "tools/bridges/tango/tmcl-tango"
-#: Where a test moves to: it takes minutes to get there.
-FAR = 1200.0
-ROUNDS = int(os.environ.get("TMCL_ROUNDS", "2"))
 ON, MOVING, FAULT, ALARM, DISABLE = (
     getattr(tango.DevState, name) for name in ("ON", "MOVING", "FAULT", "ALARM", "DISABLE")
 )
@@ -273,48 +267,26 @@ class Broken(TangoTest):
         self.wait_for(ON)
         self.assert_stays(where)
 
-    def test_no_fault_in_a_move_moves_anything_afterwards(self):
-        seed = int(os.environ.get("TMCL_SEED", random.randrange(10**6)))
-        print(f"TMCL_SEED={seed}", file=sys.stderr)
-        choose = random.Random(seed)
-        for _ in range(ROUNDS):
-            faults = ["kill server", "freeze server", "kill tmcld", "freeze tmcld", "cut bus"]
-            for fault in choose.sample(faults, len(faults)):
-                with self.subTest(fault=fault):
-                    self.break_a_move(fault, choose)
 
-    def break_a_move(self, fault, choose):
-        where = self.second.x.position
-        target = choose.choice([-90.0, FAR])
-        self.move(target)
-        until(lambda: abs(self.second.x.position - where) > choose.random(), "it is on its way")
-        self.carry_out(fault)
+class Rounds(TangoTest, Faults):
+    start_bridge = TangoTest.start_server
+    set_off = TangoTest.move
+
+    @property
+    def bridge(self):
+        return self.server
+
+    def wait_for_loss(self):
+        self.wait_for(FAULT)
+
+    def wait_until_back(self):
+        until(lambda: self.device.state() != FAULT, "it is back")
+
+    def stop(self):
+        self.device.Stop()
+
+    def wait_until_well(self):
         self.wait_for(ON)
-        stood = self.stands()
-        self.assert_stays(stood)
-
-    def carry_out(self, fault):
-        if fault == "kill server":
-            self.end(self.server)
-            self.start_server()
-        elif fault == "freeze server":
-            freeze(self.server.pid)
-            self.stands()
-            self.server.send_signal(signal.SIGCONT)
-        elif fault == "kill tmcld":
-            self.bench.stop_daemon(kill=True)
-            self.wait_for(FAULT)
-            self.bench.start_daemon()
-        else:
-            hold, resume = {
-                "freeze tmcld": (self.freeze_daemon, self.resume_daemon),
-                "cut bus": (self.freeze_simulator, self.resume_simulator),
-            }[fault]
-            hold()
-            self.wait_for(FAULT)
-            resume()
-            until(lambda: self.device.state() != FAULT, "it is back")
-            self.device.Stop()
 
 
 if __name__ == "__main__":
