@@ -112,6 +112,12 @@ record like a motor record for each axis of a tmcld: moves, jogs, alarms
 with their causes. Other clients of tmcld use the same axes beside it."
   DEPENDS python3:any "python3-tmcl (= ${PROJECT_VERSION})" RECOMMENDS tmcld EXTRA postinst prerm)
 set(CPACK_DEBIAN_EPICS_PACKAGE_ARCHITECTURE all)
+tmcl_package(ros2 tmcl-ros2 electronics "motors on TMCL modules as joints of ros2_control"
+  "Sources of a package of ROS 2, which Debian does not have: a system of
+ros2_control whose joints are axes of a tmcld. colcon builds it. Other
+clients of tmcld see and stop the same axes beside it."
+  DEPENDS "libtmcl-dev (= ${PROJECT_VERSION})" RECOMMENDS tmcld)
+set(CPACK_DEBIAN_ROS2_PACKAGE_ARCHITECTURE all)
 
 # Another name than CPackConfig.cmake, which would make CMake add its own target.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)
