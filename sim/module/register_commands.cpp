@@ -38,12 +38,10 @@ std::optional<RegisterCommands::ChipRegister> RegisterCommands::controller_regis
   return ChipRegister{first, static_cast<std::uint8_t>(request.type & ~1U)};
 }
 
-// Another generator stands in for that of the other families: its registers are not theirs.
+// Where the firmware makes the ramps there is no chip with registers of them.
 Answer RegisterCommands::access_controller(const Request& request) {
-  const bool has_model = module_.model->family == Family::tmc429 ||
-                         module_.model->family == Family::tmc457 ||
-                         module_.model->family == Family::sixpoint;
-  if (!has_model) return echo(request, Status::command_not_available);
+  if (module_.model->family == Family::firmware)
+    return echo(request, Status::command_not_available);
   if (request.type > greatest_address) return echo(request, Status::wrong_type);
   const auto place = controller_register(request);
   if (!place) return echo(request, Status::invalid_value);

@@ -101,6 +101,25 @@ StandInMotor::Stops StandInMotor::stops() const {
           has(ramp::SixPoint::en_softstop)};
 }
 
+void StandInMotor::enable_stops(Stops stops) {
+  set_switch_mode(ramp::SixPoint::stop_l_enable, stops.left);
+  set_switch_mode(ramp::SixPoint::stop_r_enable, stops.right);
+  set_switch_mode(ramp::SixPoint::en_softstop, stops.soft);
+}
+
+StandInMotor::Drive StandInMotor::drive() const {
+  using Mode = ramp::SixPoint::Mode;
+  const std::int64_t speed = read_register(R::vmax, Scale::velocity);
+  return {chip().mode() == Mode::position,
+          chip().mode() == Mode::velocity_negative ? -speed : speed};
+}
+
+void StandInMotor::drive(Drive drive) {
+  rotate(drive.velocity);
+  if (drive.to_target)
+    chip().write(R::rampmode, static_cast<std::int64_t>(ramp::SixPoint::Mode::position));
+}
+
 std::int64_t StandInMotor::within(Register name, Scale scale, std::int64_t value) const {
   return std::min(value, units().greatest(scale, range_of(name)));
 }

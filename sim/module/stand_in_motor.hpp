@@ -28,6 +28,14 @@ class StandInMotor final : public SixPointMotor {
     bool soft;
   };
   Stops stops() const;
+  void enable_stops(Stops stops);
+  /// How its chip is driven: the speed has a sign where it turns, and is in microsteps per second.
+  struct Drive {
+    bool to_target;
+    std::int64_t velocity;
+  };
+  Drive drive() const;
+  void drive(Drive drive);
 
  private:
   using Register = ramp::SixPoint::Register;

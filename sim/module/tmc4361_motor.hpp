@@ -1,6 +1,8 @@
 /// The motor of a module with a TMC4361: trapezoids by a stand-in, S-shaped ramps by a model.
 #pragma once
 
+#include <map>
+
 #include "sim/module/chip_motor.hpp"
 #include "sim/module/stand_in_motor.hpp"
 #include "tmcl/ramp/tmc4361.hpp"
@@ -32,6 +34,11 @@ class BowMotor final : public ChipMotor<ramp::Tmc4361> {
   /// Stands there from now on, and calls that its target.
   void place(std::int32_t position, std::int32_t target);
   void enable_stops(bool left, bool right, bool soft);
+  StandInMotor::Stops stops() const;
+  bool drives_to_target() const { return chip().mode() == ramp::Tmc4361::Mode::position; }
+  /// As the register has it.
+  std::int32_t vmax() const { return static_cast<std::int32_t>(chip().read(Register::vmax)); }
+  void drive(bool to_target, std::int32_t vmax);
 
  private:
   std::optional<std::int32_t> chip_reading(std::uint8_t /*address*/) override { return {}; }
@@ -44,9 +51,22 @@ class BowMotor final : public ChipMotor<ramp::Tmc4361> {
 };
 
 /// Both know all parameters, and one of them moves. The data sheet advises against a change of the
-/// profile in motion: so here one takes place as soon as a command finds the motor at rest.
+/// profile in motion: so here one takes place as soon as a command, or a register that is written,
+/// finds the motor at rest.
+///
+/// Registers and parameters that mean the same follow each other; of trapezoids VMAX is in whole
+/// microsteps per second. Only VSTART, VSTOP, ASTART, DFINAL and VBREAK keep the trapezoids' edges;
+/// AACTUAL, STATUS, EVENTS and what else is not in the model are words without effect.
 class Tmc4361Motor final : public Motor {
  public:
+  /// A register that holds a parameter, in parts of that one's unit.
+  struct Setting {
+    std::uint8_t address;
+    std::uint8_t parameter;
+    std::int32_t parts;
+    int bits;
+  };
+
   Tmc4361Motor(const Model& model, TimePoint power_on);
 
   void advance_to(TimePoint time) override;
@@ -70,10 +90,9 @@ class Tmc4361Motor final : public Motor {
 
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
-  std::int32_t read_chip(std::uint8_t address) override { return trapezoid_.read_chip(address); }
-  Status write_chip(std::uint8_t address, std::int32_t value) override {
-    return trapezoid_.write_chip(address, value);
-  }
+  std::int32_t read_chip(std::uint8_t address) override;
+  /// Errors: also a RAMPMODE without ramp, and one of the two that no document has.
+  Status write_chip(std::uint8_t address, std::int32_t value) override;
 
   Status rotate(std::int64_t velocity) override;
   void stop() override { active().stop(); }
@@ -91,9 +110,23 @@ class Tmc4361Motor final : public Motor {
   }
   void take_profile();
 
+  /// How the present profile is driven: to the target or not, and VMAX as the register has it.
+  struct Drive {
+    bool to_target;
+    std::int32_t vmax;
+  };
+  Drive drive() const;
+  void set(Drive drive);
+  void set(const Setting& setting, std::int32_t value);
+  Status set_mode(std::int32_t mode);
+  Status set_target(std::int32_t position);
+  const ParameterInfo& row_of(std::uint8_t number) const;
+
+  const Model& model_;
   StandInMotor trapezoid_;
   BowMotor bows_;
   TimePoint now_;
+  std::map<std::uint8_t, std::int32_t> settings_;  // registers that are parameters as well
   std::int32_t latched_ = 0;
   bool left_ = false;
   bool right_ = false;

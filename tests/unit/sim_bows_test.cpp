@@ -122,6 +122,59 @@ TEST_F(SimBows, AreSteepWhileTheyAre0) {
   EXPECT_NEAR(get(ap::actual_velocity), 40'000, 10);
 }
 
+/// The figures of GoThroughTheirPhases, in the units of the chip.
+TEST_F(SimBows, GoThroughTheirPhasesByRegistersAlone) {
+  add(1111);
+  const std::pair<std::uint8_t, std::int32_t> registers[] = {
+      {0x28, 800'000}, {0x29, 400'000},    {0x2D, 1'000'000}, {0x2E, 2'000'000}, {0x2F, 500'000},
+      {0x30, 400'000}, {0x24, 25'600'000}, {0x20, 6},         {0x37, 300'000},
+  };
+  for (const auto& [address, value] : registers)
+    ASSERT_EQ(status_of(Command::WRITE_MC, address, 0, value), Status::ok) << int{address};
+  pass(milliseconds(200));
+  EXPECT_NEAR(ask(Command::READ_MC, 0x22)->value, 20'000, 10);
+  EXPECT_NEAR(ask(Command::READ_MC, 0x21)->value, 1'333, 2);
+  pass(milliseconds(450));
+  EXPECT_EQ(get(ap::actual_velocity), 100'000);
+  pass(seconds(5));
+  EXPECT_EQ(get(ap::actual_position), 300'000);
+}
+
+/// A trapezoid of 100,000 microsteps/s with 200,000 up and 100,000 down, which starts and stops
+/// with 10,000.
+TEST_F(SimBows, LeaveATrapezoidItsEdgesByRegisters) {
+  add(1111);
+  const std::pair<std::uint8_t, std::int32_t> registers[] = {
+      {0x25, 256 * 10'000}, {0x26, 256 * 10'000}, {0x28, 800'000},
+      {0x29, 400'000},      {0x24, 25'600'000},   {0x20, 5},
+      {0x37, 300'000},
+  };
+  for (const auto& [address, value] : registers)
+    ASSERT_EQ(status_of(Command::WRITE_MC, address, 0, value), Status::ok) << int{address};
+  EXPECT_NEAR(get(ap::actual_velocity), 10'000, 10) << "it starts with VSTART";
+  pass(milliseconds(200));
+  EXPECT_NEAR(get(ap::actual_velocity), 50'000, 200);
+  pass(seconds(5));
+  EXPECT_EQ(get(ap::actual_position), 300'000);
+}
+
+TEST_F(SimBows, TakeARegisteredProfileOnlyAtRest) {
+  set_up(1111);
+  ask(Command::MVP, 0, 0, 300'000);
+  pass(milliseconds(200));
+  EXPECT_EQ(status_of(Command::WRITE_MC, 0x20, 0, 6), Status::ok);
+  EXPECT_EQ(ask(Command::READ_MC, 0x20)->value, 5);
+  pass(milliseconds(200));
+  EXPECT_NEAR(get(ap::actual_velocity), 80'000, 200);
+  pass(seconds(5));
+  ASSERT_EQ(status_of(Command::WRITE_MC, 0x37, 0, 0), Status::ok);
+  EXPECT_EQ(ask(Command::READ_MC, 0x20)->value, 6);
+  pass(milliseconds(200));
+  EXPECT_NEAR(get(ap::actual_velocity), -20'000, 10);
+  pass(seconds(6));
+  EXPECT_EQ(get(ap::actual_position), 0);
+}
+
 class SimBowsAtASwitch : public SimBows {
  protected:
   // Where it stands that was sent beyond a switch at 50,000 microsteps.
@@ -143,6 +196,23 @@ class SimBowsAtASwitch : public SimBows {
     return position;
   }
 };
+
+TEST_F(SimBowsAtASwitch, AreToldSoByReferenceConf) {
+  add(1111, StageSettings{.right_switch = 50'000});
+  set_bows(1'000'000, 1'000'000, 1'000'000, 1'000'000);
+  set(ap::max_velocity, 50'000);
+  set(ap::max_acceleration, 200'000);
+  set(max_deceleration, 100'000);
+  EXPECT_EQ(ask(Command::READ_MC, 0x01)->value, 3);
+  EXPECT_EQ(status_of(Command::WRITE_MC, 0x01, 0, 0), Status::ok);
+  ask(Command::MVP, 0, 0, 60'000);
+  pass(seconds(5));
+  EXPECT_EQ(get(ap::actual_position), 60'000) << "trapezoid";
+  EXPECT_EQ(status_of(Command::WRITE_MC, 0x20, 0, 6), Status::ok);
+  ask(Command::MVP, 0, 0, 70'000);
+  pass(seconds(5));
+  EXPECT_EQ(get(ap::actual_position), 70'000) << "S-curve";
+}
 
 TEST_F(SimBowsAtASwitch, StopAtOnce) { EXPECT_NEAR(stop_at_switch(false), 50'000, 1); }
 

@@ -32,8 +32,6 @@ constexpr std::string_view modes[] = {"velocity", "", "", "", "position"};
 
 }  // namespace
 
-// No command of a simulated module reaches these registers, because another generator drives its
-// trapezoids: the addresses are for tables that other programs write into the chip.
 // clang-format off
 struct Tmc4361::Rows : RowsOf<Tmc4361> {
   static constexpr auto all = std::to_array<Row>({
