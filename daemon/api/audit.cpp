@@ -24,9 +24,10 @@ bool is_audited(const Call& call) {
 
 AuditEntry entry_of(const Call& call, std::string text) {
   const auto& who = call.caller.credentials;
-  // No process of this computer: the token, or the port, says more.
+  // No process of this computer, or one that speaks for others: the name says more.
   const auto name = call.peer->client().name;
-  if (who.pid == 0 && !name.empty()) text = "client=\"" + name + "\" " + text;
+  if ((who.pid == 0 || !call.caller.user.empty()) && !name.empty())
+    text = "client=\"" + name + "\" " + text;
   if (call.lease) text += " lease=" + std::to_string(*call.lease);
   return {who.uid, who.pid, std::move(text)};
 }

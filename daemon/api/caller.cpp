@@ -31,7 +31,9 @@ Caller caller_with(const Credentials& credentials, std::span<const AccessConfig>
                       : "no [[access]] names user " + std::to_string(uid) + " or one of its groups";
   for (const auto& one : access) {
     const auto* account = account_of(uid, credentials.groups, one);
-    if (account == nullptr || one.role <= caller.role) continue;
+    if (account == nullptr) continue;
+    if (one.relays) caller.lends = std::max(caller.lends.value_or(Role::stop), one.role);
+    if (one.role <= caller.role) continue;
     caller.role = one.role;
     caller.reason = "by [[access]] for '" + account->name + "'";
   }

@@ -26,6 +26,9 @@ struct Caller {
   std::string reason{};  ///< Why it has that role: "by [[access]] for 'anna'".
   /// The limits of axes do not hold for it.
   bool exceeds_limits = false;
+  /// The highest role that users may have whom it speaks for; nothing: it speaks for itself only.
+  std::optional<Role> lends{};
+  std::string user{};  ///< Whom a relay speaks for; empty: itself.
 };
 
 /// With the highest role of those that the configuration gives it. Root and the user of this

@@ -7,6 +7,7 @@
 #include "api/method.hpp"
 #include "api/page_handlers.hpp"
 #include "api/profile_handlers.hpp"
+#include "api/relay_handlers.hpp"
 #include "api/resonance_handlers.hpp"
 #include "api/settings_handlers.hpp"
 #include "api/token_handlers.hpp"
@@ -70,6 +71,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::invite_by_token>(configure),
     method<handlers::revoke_token>(configure),
     method<handlers::find_page>(observe),
+    method<handlers::speak_for>(stop),
     method<handlers::move_line>(operate),
     method<handlers::stage_path>(operate),
     method<handlers::plan_path>(operate),

@@ -68,6 +68,7 @@ void add_access(Draft& draft, const AccessSection& section) {
   access.role = static_cast<Role>(given + 1);
   add_accounts(draft, section.users, user_named, "user", access.users);
   add_accounts(draft, section.groups, group_named, "group", access.groups);
+  set(section.relay, access.relays);
   if (section.users || section.groups) return;
   draft.complain(section.place, "[[access]] needs 'users' or 'groups': who has the role");
 }

@@ -62,6 +62,7 @@ struct AccessConfig {
   Role role = Role::observe;
   std::vector<Account> users{};
   std::vector<Account> groups{};
+  bool relays = false;  ///< They may speak for others, who have no more than this role then.
 };
 
 /// What one module was measured to be like.

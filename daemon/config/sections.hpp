@@ -56,6 +56,9 @@ struct AccessSection : Section {
   TMCL_KEY(Needed<std::string>, role, "what they may do: observe, operate or configure");
   TMCL_KEY(Said<ConfigTexts>, users, "names of users");
   TMCL_KEY(Said<ConfigTexts>, groups, "names of groups");
+  TMCL_KEY(Said<bool>, relay,
+           "they are programs that bring calls of others, such as tmcld-mqtt, and may name these "
+           "and the role of each, up to this one");
 };
 
 struct BusSection : Section {

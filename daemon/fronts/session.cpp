@@ -100,8 +100,23 @@ bool Session::has_calls_in_flight() const {
   return std::ranges::any_of(in_flight_, [](std::size_t count) { return count > 0; });
 }
 
+std::optional<Error> Session::speak_for(RelayedUser user) {
+  if (relayed_user_) {
+    return not_now("not_permitted",
+                   "this connection speaks for user '" + relayed_user_->name + "' already",
+                   "a connection of its own for each user");
+  }
+  if (auto objection = objection_to_relaying(caller_(), user)) return objection;
+  client_ = gateway_->rename_client(client_.number, user.name + " through " + client_.name);
+  relayed_user_ = std::move(user);
+  const auto now = caller();
+  role_ = now.role;
+  exceeds_limits_ = now.exceeds_limits;
+  return std::nullopt;
+}
+
 bool Session::has_lost_rights() {
-  const auto now = caller_();
+  const auto now = caller();
   const bool is_less = now.role < role_ || (exceeds_limits_ && !now.exceeds_limits);
   role_ = now.role;
   exceeds_limits_ = now.exceeds_limits;

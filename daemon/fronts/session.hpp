@@ -18,6 +18,7 @@
 #include "api/notifications.hpp"
 #include "api/page_place.hpp"
 #include "api/peer.hpp"
+#include "api/relay.hpp"
 #include "api/request.hpp"
 #include "api/token_keeper.hpp"
 #include "async/wake.hpp"
@@ -42,6 +43,7 @@ constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200)
 class Session : public Peer,
                 public TokenKeeper,
                 public PagePlace,
+                public Relay,
                 public std::enable_shared_from_this<Session> {
  public:
   enum class Serves : std::uint8_t { all, stops };
@@ -75,7 +77,10 @@ class Session : public Peer,
   bool is_gone() const override { return closed_; }
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
   Client client() const override { return client_; }
-  Caller caller() const override { return caller_(); }
+  Caller caller() const override {
+    return relayed_user_ ? caller_for(*relayed_user_, caller_()) : caller_();
+  }
+  std::optional<Error> speak_for(RelayedUser user) override;
   const std::shared_ptr<Tokens>& tokens() const override { return share_->tokens; }
   const std::vector<std::string>& page_addresses() const override { return share_->page_addresses; }
 
@@ -130,6 +135,7 @@ class Session : public Peer,
   Role role_;  ///< As it was when has_lost_rights() was asked last,
   bool exceeds_limits_;
   Client client_;
+  std::optional<RelayedUser> relayed_user_;
   Outbox outbox_;
   Wake output_;
   Notifications notifications_;

@@ -239,6 +239,12 @@ Client Gateway::add_client(std::string name) {
   return {number, std::move(name)};
 }
 
+Client Gateway::rename_client(std::uint64_t number, std::string name) {
+  arrivals_->clients.insert_or_assign(number, name);
+  client_names_.insert_or_assign(number, name);
+  return {number, std::move(name)};
+}
+
 std::string Gateway::name_of_client(std::uint64_t number) const {
   const auto found = client_names_.find(number);
   return found == client_names_.end() ? "client " + std::to_string(number) : found->second;

@@ -70,6 +70,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   const std::shared_ptr<Leases>& leases() const { return leases_; }
   /// A client has come, which has its number until it leaves.
   Client add_client(std::string name = {});
+  /// As leases that it acquires from now on, and the audit, name it.
+  Client rename_client(std::uint64_t number, std::string name);
   /// Of a client that is there, or was lately: the names of the last thousand are remembered.
   std::string name_of_client(std::uint64_t number) const;
   /// What it has asked for and was not sent yet moves nothing any more. Its leases are lost, and

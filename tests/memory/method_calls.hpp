@@ -72,6 +72,7 @@ inline const std::vector<MethodCall> all{
      R"({"name":"other"})",
      {{"token.add", R"({"role":"operate","name":"other"})"}}},
     {"page.find"},
+    {"speak_for", R"({"user":"anna","role":"observe"})", {}, {}, false, false, true},
     {"line.move", R"({"axes":["y","z"],"positions_microsteps":[2000,-500]})", {}, {1, 2}},
     {"path.stage", R"({"offset":0,"data":"4731205831"})"},
     {"path.plan", R"({"axes":["x","y"],"text":"G1 X10 F1200\nG1 Y5\n","points":3})"},

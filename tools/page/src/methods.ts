@@ -657,6 +657,21 @@ export interface Methods {
       addresses: string[];
     };
   };
+  /** makes the calls of this connection those of a user, from now on */
+  "speak_for": {
+    params: {
+      /** who makes the calls, as audit and leases name them */
+      user: string;
+      /** what that user may do: stop, observe, operate, configure */
+      role: string;
+    };
+    result: {
+      /** who makes the calls, as audit and leases name them */
+      user: string;
+      /** what that user may do: stop, observe, operate, configure */
+      role: string;
+    };
+  };
   /** moves several axes so that they start and arrive together */
   "line.move": {
     params: {
@@ -3020,6 +3035,7 @@ export const roleFor: Record<keyof Methods, Role> = {
   "token.invite": "configure",
   "token.revoke": "configure",
   "page.find": "observe",
+  "speak_for": "stop",
   "line.move": "operate",
   "path.stage": "operate",
   "path.plan": "operate",

@@ -38,6 +38,7 @@ EFFECTS: Mapping[str, str] = {
     "token.invite": "writes",
     "token.revoke": "writes",
     "page.find": "reads",
+    "speak_for": "reads",
     "line.move": "moves",
     "path.stage": "reads",
     "path.plan": "reads",
@@ -580,6 +581,14 @@ class PageFind(Record):
     #: what a browser takes, such as https://gateway:4143; empty where nothing is served by
     #: HTTP
     addresses: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class SpeakFor(Record):
+    #: who makes the calls, as audit and leases name them
+    user: str = ""
+    #: what that user may do: stop, observe, operate, configure
+    role: str = ""
 
 
 @dataclass(frozen=True)
@@ -2016,6 +2025,14 @@ class Methods:
         """`page.find` where the page for browsers is."""
         return PageFind.of(self._call("page.find", {}))
 
+    def speak_for(
+        self,
+        user: str,
+        role: str,
+    ) -> SpeakFor:
+        """`speak_for` makes the calls of this connection those of a user, from now on."""
+        return SpeakFor.of(self._call("speak_for", {"user": user, "role": role}))
+
     def line_move(
         self,
         axes: Sequence[str],
@@ -3065,6 +3082,14 @@ class AsyncMethods:
     async def page_find(self) -> PageFind:
         """`page.find` where the page for browsers is."""
         return PageFind.of(await self._call("page.find", {}))
+
+    async def speak_for(
+        self,
+        user: str,
+        role: str,
+    ) -> SpeakFor:
+        """`speak_for` makes the calls of this connection those of a user, from now on."""
+        return SpeakFor.of(await self._call("speak_for", {"user": user, "role": role}))
 
     async def line_move(
         self,
