@@ -3,6 +3,8 @@
 
 #include "config/sections.hpp"
 
+#include "config/section_kind.hpp"
+
 #include <algorithm>
 #include <optional>
 #include <span>
@@ -18,31 +20,13 @@ namespace {
 
 using tmcl::quoted;
 
-template <class S>
-constexpr auto keys_of = tmcl::api::rows_of<S, S, Key>();
-
-struct Kind {
-  std::string_view title;
-  std::span<const Key> keys;
-  Section& (*add)(ConfigText& text);
-
-  constexpr bool is_single() const { return !title.starts_with("[["); }
-  constexpr std::string_view name() const {
-    const std::size_t brackets = is_single() ? 1 : 2;
-    return title.substr(brackets, title.size() - 2 * brackets);
-  }
-};
-
-template <auto list>
-constexpr Kind kind() {
-  using S = typename decltype(tmcl::api::value_of(list))::value_type;
-  return {S::title, keys_of<S>,
-          [](ConfigText& text) -> Section& { return (text.*list).emplace_back(); }};
-}
-constexpr std::array kinds{kind<&ConfigText::daemon>(),  kind<&ConfigText::http>(),
-                           kind<&ConfigText::access>(),  kind<&ConfigText::buses>(),
-                           kind<&ConfigText::modules>(), kind<&ConfigText::axes>(),
-                           kind<&ConfigText::ports>()};
+constexpr std::array kinds{section_kind<ConfigText, &ConfigText::daemon>(),
+                           section_kind<ConfigText, &ConfigText::http>(),
+                           section_kind<ConfigText, &ConfigText::access>(),
+                           section_kind<ConfigText, &ConfigText::buses>(),
+                           section_kind<ConfigText, &ConfigText::modules>(),
+                           section_kind<ConfigText, &ConfigText::axes>(),
+                           section_kind<ConfigText, &ConfigText::ports>()};
 
 std::string_view name_of(KeyType type) {
   switch (type) {
@@ -98,15 +82,15 @@ bool is_outside(const KeyValue& value, const tmcl::api::Bounds& bounds) {
 
 class Reader {
  public:
-  Reader(ConfigText& text, const std::string& file, OfDaemon daemon)
-      : text_(text), file_(file), daemon_(daemon) {}
+  Reader(SectionKinds kinds, const std::string& file, OfDaemon daemon, SectionsRead& read)
+      : kinds_(kinds), file_(file), daemon_(daemon), read_(read) {}
 
   void read(std::string_view toml) {
     // Debian's build of the library reports errors by throwing; this is where that ends.
     try {
       read(toml::parse(toml));
     } catch (const toml::parse_error& error) {
-      text_.is_toml = false;
+      read_.is_toml = false;
       complain(error.source(), std::string(error.description()));
     }
   }
@@ -117,13 +101,13 @@ class Reader {
   }
 
   void complain(const toml::source_region& source, std::string message) {
-    text_.problems.push_back(place_of(source).problem(std::move(message)));
+    read_.problems.push_back(place_of(source).problem(std::move(message)));
   }
 
   void read(const toml::table& root) {
     for (const auto& [key, node] : root) {
-      const auto kind = std::ranges::find(kinds, key.str(), &Kind::name);
-      if (kind == kinds.end()) {
+      const auto kind = std::ranges::find(kinds_, key.str(), &SectionKind::name);
+      if (kind == kinds_.end()) {
         complain_unknown_section(key, node);
       } else if (kind->is_single()) {
         read_single(*kind, node);
@@ -136,20 +120,20 @@ class Reader {
   void complain_unknown_section(const toml::key& key, const toml::node& node) {
     if (!node.is_table() && !node.is_array_of_tables())
       return complain(key.source(), quoted(key.str()) + " stands outside of any section");
-    std::array<std::string_view, kinds.size()> known;
-    std::ranges::transform(kinds, known.begin(), &Kind::name);
+    std::vector<std::string_view> known;
+    for (const auto& kind : kinds_) known.push_back(kind.name());
     complain(key.source(), fmt::format("unknown section '{}'.{}", key.str(),
                                        tmcl::did_you_mean(key.str(), known)));
   }
 
-  void read_single(const Kind& kind, const toml::node& node) {
-    if (kind.title == DaemonSection::title) text_.names_daemon = true;
+  void read_single(const SectionKind& kind, const toml::node& node) {
+    read_.singles.push_back(kind.title);
     if (daemon_ == OfDaemon::ignored) return;
     if (const auto* table = node.as_table()) return read_section(kind, *table);
     complain(node.source(), fmt::format("there is one such section, written {}", kind.title));
   }
 
-  void read_list(const Kind& kind, const toml::node& node) {
+  void read_list(const SectionKind& kind, const toml::node& node) {
     const auto* list = node.as_array();
     if (list == nullptr || !std::ranges::all_of(*list, &toml::node::is_table)) {
       return complain(node.source(), fmt::format("write a section of this kind as {}, with two "
@@ -159,8 +143,8 @@ class Reader {
     for (const auto& entry : *list) read_section(kind, *entry.as_table());
   }
 
-  void read_section(const Kind& kind, const toml::table& table) {
-    auto& section = kind.add(text_);
+  void read_section(const SectionKind& kind, const toml::table& table) {
+    auto& section = kind.add(read_.into);
     section.place = place_of(table.source());
     section.text = fmt::format("{}\n", kind.title);
     for (const auto& [key, node] : table) read_key(kind, section, key, node);
@@ -171,7 +155,8 @@ class Reader {
     }
   }
 
-  void read_key(const Kind& kind, Section& section, const toml::key& name, const toml::node& node) {
+  void read_key(const SectionKind& kind, Section& section, const toml::key& name,
+                const toml::node& node) {
     const auto key = std::ranges::find(kind.keys, name.str(), &Key::name);
     if (key == kind.keys.end()) return complain_unknown_key(kind, name);
     auto value = value_of(key->type, node);
@@ -186,16 +171,17 @@ class Reader {
     key->put(section, std::move(*value)) = {key->name, place_of(node.source())};
   }
 
-  void complain_unknown_key(const Kind& kind, const toml::key& key) {
+  void complain_unknown_key(const SectionKind& kind, const toml::key& key) {
     std::vector<std::string_view> known;
     for (const auto& one : kind.keys) known.push_back(one.name);
     complain(key.source(), fmt::format("unknown key '{}' in {}.{}", key.str(), kind.title,
                                        tmcl::did_you_mean(key.str(), known)));
   }
 
-  ConfigText& text_;
+  SectionKinds kinds_;
   const std::string& file_;
   OfDaemon daemon_;
+  SectionsRead& read_;
 };
 
 }  // namespace
@@ -203,7 +189,15 @@ class Reader {
 void read_sections(std::string_view toml, const std::string& file, OfDaemon daemon,
                    ConfigText& text) {
   text.files.push_back(file);
-  Reader(text, file, daemon).read(toml);
+  SectionsRead read{&text, text.problems};
+  Reader(kinds, file, daemon, read).read(toml);
+  text.is_toml = text.is_toml && read.is_toml;
+  if (std::ranges::count(read.singles, DaemonSection::title) != 0) text.names_daemon = true;
+}
+
+void read_sections(std::string_view toml, const std::string& file, SectionKinds of,
+                   SectionsRead& read) {
+  Reader(of, file, OfDaemon::read, read).read(toml);
 }
 
 std::vector<Key> config_keys() {
