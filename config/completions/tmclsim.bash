@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# bash completion for tmclsim and tmcld: the options that their help lists.
+# bash completion for tmclsim, tmcld and tmcld-mqtt: the options that their help lists.
 
 _tmcl_by_help() {
   local program=$1 current=$2 previous=$3
@@ -13,4 +13,4 @@ _tmcl_by_help() {
   fi
 }
 
-complete -F _tmcl_by_help tmclsim tmcld
+complete -F _tmcl_by_help tmclsim tmcld tmcld-mqtt

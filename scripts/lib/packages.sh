@@ -27,6 +27,7 @@ libssl-dev|TLS, and the hashes of tokens
 prometheus-cpp-dev|writes /metrics in the form that Prometheus reads
 libexpected-dev|tl::expected, results that are a value or an error
 libncurses-dev|draws the axes on the whole terminal (tmclctl top)
+libmosquitto-dev|puts a gateway on an MQTT broker (tmcld-mqtt)
 libqrencode-dev|draws what a phone reads (tmclctl page --phone)
 '
 
@@ -53,6 +54,8 @@ python3-setuptools|makes the wheel of that package
 python3-wheel|makes the wheel of that package
 python3-venv|a place for that package and its tests
 python3-pytest|the plugin of that package
+mosquitto|the broker that tmcld-mqtt is tested on
+mosquitto-clients|clients of that broker
 python3-tango|the bridge to Tango, without its database
 '
 

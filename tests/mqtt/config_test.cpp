@@ -1,0 +1,81 @@
+// The configuration file of tmcld-mqtt, and what is said of mistakes in it.
+#include "mqtt_config.hpp"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "support/temp_path.hpp"
+
+namespace tmclmqtt {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string least =
+    "[mqtt]\nbroker = \"localhost\"\ngateway = \"hall-1\"\nsocket = \"/run/s\"\n";
+
+std::string problem(const std::string& toml) {
+  const auto config = parse_mqtt_config(toml);
+  return config ? "" : describe(config.error().front(), "f");
+}
+std::string problem_of(const std::string& line) { return problem(least + line + '\n'); }
+
+TEST(MqttConfig, NeedsThreeKeys) {
+  const auto config = parse_mqtt_config(least).value();
+  EXPECT_EQ(config.host, "localhost");
+  EXPECT_EQ(config.port, 1883);
+  EXPECT_EQ(config.gateway, "hall-1");
+  EXPECT_EQ(config.socket, "/run/s");
+  EXPECT_EQ(config.nonce_ttl, std::chrono::seconds(2));
+  EXPECT_THAT(problem(""), HasSubstr("[mqtt]"));
+  EXPECT_THAT(problem("[mqtt]\nbroker = \"a\"\nsocket = \"b\"\n"),
+              HasSubstr("[mqtt] needs the key 'gateway'"));
+}
+
+TEST(MqttConfig, NamesBrokersByHostAndPort) {
+  const auto at = [](const std::string& broker, const std::string& more = {}) {
+    const auto config = parse_mqtt_config("[mqtt]\nbroker = \"" + broker +
+                                          "\"\ngateway = \"a\"\nsocket = \"b\"\n" + more);
+    return config ? config->host + " " + std::to_string(config->port)
+                  : config.error().front().message;
+  };
+  EXPECT_EQ(at("b.example:99"), "b.example 99");
+  EXPECT_EQ(at("b.example", "ca = \"c\"\n"), "b.example 8883");
+  EXPECT_EQ(at("[::1]:99"), "::1 99");
+  EXPECT_EQ(at("[::1]"), "::1 1883");
+  for (const auto* wrong : {"", ":1", "b:", "b:0", "b:65536", "b:1x", "mqtt://b:1"})
+    EXPECT_THAT(at(wrong), HasSubstr("'broker'")) << wrong;
+}
+
+TEST(MqttConfig, NamesTheKeyThatIsWrong) {
+  EXPECT_THAT(problem_of("brocker = \"b\""), HasSubstr("unknown key 'brocker' in [mqtt]"));
+  EXPECT_THAT(problem_of("brocker = \"b\""), HasSubstr("Did you mean 'broker'?"));
+  EXPECT_THAT(problem_of("nonce_ttl_ms = 100"), HasSubstr("'nonce_ttl_ms' is 100"));
+  EXPECT_THAT(problem_of("ca = 7"), HasSubstr("'ca' must be a text"));
+  EXPECT_THAT(problem_of("key = \"k\""), HasSubstr("'key' needs 'certificate'"));
+  EXPECT_THAT(problem_of("ca = \"c\"\ncertificate = \"k\""),
+              HasSubstr("'certificate' needs 'key'"));
+  EXPECT_THAT(problem_of("certificate = \"c\"\nkey = \"k\""), HasSubstr("needs 'ca'"));
+  EXPECT_THAT(problem_of("log_level = \"loud\""), HasSubstr("'log_level' is 'loud'"));
+  EXPECT_THAT(problem_of("[daemon]"), HasSubstr("unknown section 'daemon'"));
+  EXPECT_THAT(problem_of("x"), HasSubstr("f:5"));
+  for (const auto* name : {"a/b", "+", "#", "all", ""}) {
+    const auto toml = "[mqtt]\nbroker = \"b\"\nsocket = \"s\"\ngateway = \"" + std::string(name);
+    EXPECT_THAT(problem(toml + "\"\n"), HasSubstr("'gateway'")) << name;
+  }
+}
+
+TEST(MqttConfig, IsInFilesThatCanBeRead) {
+  const auto path = tmcl::test::temp_path("mqtt.toml");
+  std::ofstream(path) << least << "ca = \"/nowhere/ca.pem\"\n";
+  const auto config = load_mqtt_config(path);
+  std::filesystem::remove(path);
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().front(), HasSubstr("'ca' of [mqtt]: /nowhere/ca.pem cannot be read"));
+  EXPECT_THAT(load_mqtt_config(path).error().front(), HasSubstr(path));
+}
+
+}  // namespace
+}  // namespace tmclmqtt

@@ -1,0 +1,320 @@
+#include "io/bridge.hpp"
+
+#include <sys/random.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "async/rest.hpp"
+#include "async/spawn.hpp"
+#include "log/log.hpp"
+#include "tmcl/api/system.hpp"
+#include "tmcl/json_text.hpp"
+
+namespace tmclmqtt {
+namespace {
+
+namespace json = boost::json;
+namespace api = tmcl::api;
+using boost::asio::awaitable;
+using tmcl::client::Error;
+using tmcl::client::ErrorKind;
+using tmcl::client::Result;
+using tmcld::LogLevel;
+
+constexpr auto look_interval = std::chrono::milliseconds(100);
+constexpr auto pause_without_gateway = std::chrono::seconds(1);
+constexpr auto first_pause_without_broker = std::chrono::milliseconds(500);
+constexpr auto longest_pause_without_broker = std::chrono::seconds(15);
+constexpr std::int32_t state_interval_ms = 200;
+constexpr std::size_t longest_short_answer = 4096;
+
+std::string random_text() {
+  constexpr std::size_t bytes = 16;
+  std::array<unsigned char, bytes> drawn{};
+  if (::getrandom(drawn.data(), drawn.size(), 0) != static_cast<ssize_t>(drawn.size()))
+    throw std::runtime_error("the system gives no random numbers");
+  std::string text;
+  for (const auto byte : drawn) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
+std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Methods& told) {
+  std::map<std::string, tmcl::Effect, std::less<>> methods;
+  for (const auto& method : told.methods) {
+    // What this program does not know may do most.
+    auto effect = tmcl::Effect::moves;
+    if (method.effect == "reads") effect = tmcl::Effect::reads;
+    if (method.effect == "writes") effect = tmcl::Effect::writes;
+    if (method.effect == "stops") effect = tmcl::Effect::stops;
+    methods.emplace(method.name, effect);
+  }
+  return methods;
+}
+
+/// By its effect the call may have been carried out.
+Error answer_too_long() {
+  return {"answer_too_long", ErrorKind::failed, tmcl::Outcome::unknown,
+          "the answer is longer than the broker takes", "ask for less at a time"};
+}
+
+Error no_gateway() {
+  return {std::string(tmcl::client::error_name::unreachable), ErrorKind::failed,
+          tmcl::Outcome::not_sent, "tmcld is not there",
+          "'tmclctl doctor' on the gateway says why"};
+}
+
+}  // namespace
+
+Bridge::Bridge(const boost::asio::any_io_executor& executor, MqttConfig config,
+               std::function<void()> on_turn)
+    : executor_(executor),
+      clock_(executor),
+      config_(std::move(config)),
+      on_turn_(std::move(on_turn)),
+      gate_(config_.gateway, random_text, config_.nonce_ttl),
+      births_(gate_.topics().birth(), TMCL_VERSION),
+      news_(gate_.topics()),
+      users_(std::make_shared<UserLinks>(executor, config_.socket, gate_)) {}
+
+void Bridge::start() {
+  tmcld::spawn(executor_, serve_gateway(shared_from_this()));
+  tmcld::spawn(executor_, serve_broker(shared_from_this()));
+  tmcld::spawn(executor_, look(shared_from_this()));
+}
+
+void Bridge::stop() {
+  if (std::exchange(stopping_, true)) return;
+  if (broker_) {
+    flush();
+    broker_->publish(births_.farewell(gate_.epoch()));
+    broker_->disconnect();
+  }
+  users_->close();
+  if (gateway_) gateway_->close();
+}
+
+awaitable<void> Bridge::look(std::shared_ptr<Bridge> self) {
+  while (!self->stopping_) {
+    const auto now = self->now();
+    self->gate_.look(now);
+    self->users_->end_silent_ones(now);
+    if (self->broker_) {
+      self->add_news(self->news_.due(now));
+      if (auto birth = self->births_.due(now)) self->outbox_.add_news(std::move(*birth));
+      self->flush();
+    }
+    self->on_turn_();
+    co_await tmcld::rest(look_interval);
+  }
+}
+
+void Bridge::log_often(std::string line) {
+  if (const auto admitted = limiter_.admit(std::move(line), now()))
+    tmcld::log(LogLevel::warning, *admitted);
+}
+
+// ---- tmcld -------------------------------------------------------------------------------------
+
+awaitable<void> Bridge::serve_gateway(std::shared_ptr<Bridge> self) {
+  while (!self->stopping_) {
+    const auto why = co_await self->use_gateway();
+    if (self->stopping_) break;
+    self->log_often(why);
+    co_await tmcld::rest(pause_without_gateway);
+  }
+}
+
+awaitable<std::string> Bridge::use_gateway() {
+  auto opening = GatewayLink::open(
+      config_.socket, [weak = weak_from_this()](std::string_view method, const json::object& said) {
+        if (const auto self = weak.lock()) self->hear(method, said);
+      });
+  const auto opened = co_await std::move(opening);
+  if (!opened) co_return opened.error().message;
+  const auto link = *opened;
+  const auto known = co_await get_to_know(*link);
+  if (!known) {
+    link->close();
+    co_return known.error().message;
+  }
+  gateway_ = link;
+  say_birth();
+  add_news(news_.all_states(now()));
+  flush();
+  tmcld::log(LogLevel::info, fmt::format("tmcld {} is there", link->daemon_version()));
+  co_await link->end();
+  gateway_ = nullptr;
+  axes_.clear();
+  gate_.know_methods({});
+  news_.forget_axes();
+  say_birth();
+  co_return std::string("the connection to tmcld has ended");
+}
+
+awaitable<Result<void>> Bridge::get_to_know(GatewayLink& link) {
+  const auto methods = co_await link.call(api::rpc::Discover::method.name, {});
+  if (!methods) co_return tl::unexpected(methods.error());
+  const auto axes = co_await link.call(api::axis::List::method.name, {});
+  if (!axes) co_return tl::unexpected(axes.error());
+  api::Subscribe all;
+  all.interval_ms = state_interval_ms;
+  const auto subscribed = co_await link.call(api::Subscribe::method.name, api::to_json(all));
+  if (!subscribed) co_return tl::unexpected(subscribed.error());
+  gate_.know_methods(methods_of(api::from_json<api::rpc::Methods>(*methods)));
+  for (const auto& axis : api::from_json<api::axis::List::Result>(*axes).axes)
+    axes_.push_back(axis.name);
+  if (const auto* states = subscribed->if_contains("states"); states && states->is_array()) {
+    for (const auto& state : states->get_array())
+      if (state.is_object()) news_.hear(state.get_object(), now());
+  }
+  co_return Result<void>();
+}
+
+void Bridge::hear(std::string_view method, const json::object& params) {
+  if (method != api::NewState::notification) return;
+  add_news(news_.hear(params, now()));
+  flush();
+}
+
+// ---- the broker --------------------------------------------------------------------------------
+
+awaitable<void> Bridge::serve_broker(std::shared_ptr<Bridge> self) {
+  tmcl::Duration pause = first_pause_without_broker;
+  while (!self->stopping_) {
+    const auto began = self->now();
+    const auto why = co_await self->use_broker();
+    if (self->stopping_) break;
+    self->log_often(fmt::format("broker {}:{}: {}", self->config_.host, self->config_.port, why));
+    if (self->now() - began > longest_pause_without_broker) pause = first_pause_without_broker;
+    co_await tmcld::rest(pause);
+    pause = std::min<tmcl::Duration>(2 * pause, longest_pause_without_broker);
+  }
+}
+
+awaitable<std::string> Bridge::use_broker() {
+  gate_.begin_epoch();
+  BrokerOptions options{
+      config_.host,        config_.port, "tmcld-mqtt-" + config_.gateway, config_.ca,
+      config_.certificate, config_.key,  births_.will(gate_.epoch())};
+  auto on_message = [weak = weak_from_this()](Message message) {
+    if (const auto self = weak.lock()) self->take(std::move(message));
+  };
+  auto on_room = [weak = weak_from_this()] {
+    if (const auto self = weak.lock()) self->flush();
+  };
+  connecting_ = true;
+  auto connecting = connect_to_broker(workers_, std::move(options), on_message, on_room);
+  const auto connected = co_await std::move(connecting);
+  connecting_ = false;
+  if (!connected) co_return connected.error();
+  if (stopping_) {
+    (*connected)->disconnect();
+    co_return std::string();
+  }
+  broker_ = *connected;
+  outbox_.clear();
+  // QoS 1 keeps a stop from being left out; without a session that lasts none comes late.
+  broker_->subscribe({gate_.topics().stop(), 1});
+  broker_->subscribe({Topics::stop_of_all(), 1});
+  broker_->subscribe({gate_.topics().all_calls(), 0});
+  broker_->subscribe({gate_.topics().all_wishes(), 0});
+  broker_->subscribe({gate_.topics().birth(), 0});
+  say_birth();
+  add_news(news_.all_states(now()));
+  flush();
+  tmcld::log(LogLevel::info, fmt::format("gateway {} is on broker {}:{}", config_.gateway,
+                                         config_.host, config_.port));
+  const auto why = co_await broker_->end();
+  broker_ = nullptr;
+  co_return why;
+}
+
+void Bridge::say_birth() {
+  if (!broker_) return;
+  outbox_.add_news(births_.birth({gate_.epoch(), gate_.time_to_live(),
+                                  gateway_ ? gateway_->daemon_version() : std::string(), axes_},
+                                 now()));
+  flush();
+}
+
+void Bridge::add_news(std::vector<Publication> news) {
+  if (!broker_) return;
+  for (auto& one : news) outbox_.add_news(std::move(one));
+}
+
+void Bridge::flush() {
+  while (broker_ && broker_->has_room()) {
+    auto next = outbox_.take();
+    if (!next) return;
+    if (broker_->publish(*next) != Broker::Sent::too_long) continue;
+    log_often("what was to go to " + next->topic + " is longer than the broker takes");
+    if (next->retained || next->payload.size() <= longest_short_answer) continue;
+    next->payload = tmcl::json_text(json::object{{"error", to_json(answer_too_long())}});
+    outbox_.add_answer(std::move(*next));
+  }
+}
+
+// ---- messages ----------------------------------------------------------------------------------
+
+void Bridge::take(Message message) {
+  if (stopping_) return;
+  const auto now = this->now();
+  auto judged = gate_.judge(message, now);
+  if (std::holds_alternative<BirthSeen>(judged.is)) births_.see(message);
+  if (judged.must_be_cleared) {
+    log_often("a message that a broker keeps was taken off it: " + message.topic);
+    outbox_.add_news({.topic = message.topic, .retained = true});
+  }
+  carry_out(std::move(judged), now);
+  flush();
+}
+
+void Bridge::carry_out(Judged judged, tmcl::TimePoint now) {
+  auto& reply = judged.reply;
+  if (std::holds_alternative<StopWanted>(judged.is)) return stop_axes(std::move(reply));
+  if (const auto* refused = std::get_if<Refused>(&judged.is))
+    return answer(reply, tl::unexpected(refused->error));
+  if (std::holds_alternative<NonceWanted>(judged.is)) return answer(reply, json::object());
+  if (const auto* wish = std::get_if<WishMade>(&judged.is))
+    return news_.wish(wish->user, wish->time, now);
+  auto* call = std::get_if<CallWanted>(&judged.is);
+  if (call == nullptr) return;
+  auto on_answer = [weak = weak_from_this(), reply](const Result<json::object>& result) {
+    if (const auto self = weak.lock()) self->answer(reply, result);
+  };
+  // A stop is carried out all the same, in this program's own name.
+  if (call->effect == tmcl::Effect::stops && !users_->has_room_for(*call) && gateway_)
+    return gateway_->call(call->method, std::move(call->params), std::move(on_answer));
+  users_->call(std::move(*call), now, std::move(on_answer));
+}
+
+void Bridge::stop_axes(std::optional<ReplyTo> reply) {
+  if (!gateway_) return answer(reply, tl::unexpected(no_gateway()));
+  gateway_->call(api::system::StopAll::method.name, {},
+                 [weak = weak_from_this(), reply](const Result<json::object>& result) {
+                   if (const auto self = weak.lock()) self->answer(reply, result);
+                 });
+}
+
+void Bridge::answer(const std::optional<ReplyTo>& reply, const Result<json::object>& result) {
+  if (!reply || !broker_) return;
+  json::object said;
+  if (result) {
+    said["result"] = *result;
+  } else {
+    said["error"] = tmcl::client::to_json(result.error());
+  }
+  said["epoch"] = gate_.epoch();
+  if (!reply->user.empty()) said["nonce"] = gate_.give_nonce(reply->user, now());
+  outbox_.add_answer(
+      {.topic = reply->topic, .payload = tmcl::json_text(said), .correlation = reply->correlation});
+  flush();
+}
+
+}  // namespace tmclmqtt

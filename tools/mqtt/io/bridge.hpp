@@ -1,0 +1,79 @@
+/// The whole of tmcld-mqtt on one reactor: tmcld on one side, a broker on the other, each of which
+/// may come and go.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+
+#include "async/workers.hpp"
+#include "io/broker.hpp"
+#include "io/gateway_link.hpp"
+#include "io/user_links.hpp"
+#include "log/limiter.hpp"
+#include "mqtt_config.hpp"
+#include "protocol/axis_news.hpp"
+#include "protocol/births.hpp"
+#include "protocol/gate.hpp"
+#include "protocol/outbox.hpp"
+
+namespace tmclmqtt {
+
+class Bridge : public std::enable_shared_from_this<Bridge> {
+ public:
+  /// `on_turn`: called ten times a second while the reactor turns.
+  Bridge(const boost::asio::any_io_executor& executor, MqttConfig config,
+         std::function<void()> on_turn);
+
+  void start();
+  /// Says farewell to the broker, and closes everything.
+  void stop();
+  /// A thread waits for a broker's name or its TCP, which cannot be called back.
+  bool is_connecting() const { return connecting_; }
+
+ private:
+  static boost::asio::awaitable<void> serve_gateway(std::shared_ptr<Bridge> self);
+  static boost::asio::awaitable<void> serve_broker(std::shared_ptr<Bridge> self);
+  static boost::asio::awaitable<void> look(std::shared_ptr<Bridge> self);
+
+  /// Until the connection to tmcld is lost; why.
+  boost::asio::awaitable<std::string> use_gateway();
+  /// What there is to be asked for and to be told of. Errors: those of tmcld.
+  boost::asio::awaitable<tmcl::client::Result<void>> get_to_know(GatewayLink& link);
+  void hear(std::string_view method, const boost::json::object& params);
+  boost::asio::awaitable<std::string> use_broker();
+
+  void take(Message message);
+  void carry_out(Judged judged, tmcl::TimePoint now);
+  void stop_axes(std::optional<ReplyTo> reply);
+  void answer(const std::optional<ReplyTo>& reply,
+              const tmcl::client::Result<boost::json::object>& result);
+  void say_birth();
+  void add_news(std::vector<Publication> news);
+  void flush();
+  void log_often(std::string line);
+  tmcl::TimePoint now() const { return clock_.now(); }
+
+  boost::asio::any_io_executor executor_;
+  tmcl::ContextClock clock_;
+  MqttConfig config_;
+  std::function<void()> on_turn_;
+  tmcld::Workers workers_{1};
+  Gate gate_;
+  Births births_;
+  AxisNews news_;
+  Outbox outbox_;
+  std::shared_ptr<UserLinks> users_;
+  std::shared_ptr<GatewayLink> gateway_;  ///< Of its own; null while tmcld is not there.
+  std::vector<std::string> axes_;
+  std::shared_ptr<Broker> broker_;  ///< Null while there is none.
+  tmcld::LogLimiter limiter_;
+  bool connecting_ = false;
+  bool stopping_ = false;
+};
+
+}  // namespace tmclmqtt

@@ -1,0 +1,61 @@
+/// One connection to an MQTT 5 broker, until it is lost. The only files that know libmosquitto.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <tl/expected.hpp>
+
+#include "protocol/message.hpp"
+
+namespace tmcld {
+class Workers;
+}
+
+namespace tmclmqtt {
+
+struct BrokerOptions {
+  std::string host;
+  std::uint16_t port = 0;
+  std::string client_id;
+  /// Paths of PEM files; without `ca` there is no TLS.
+  std::string ca{};
+  std::string certificate{};
+  std::string key{};
+  Publication will;
+};
+
+struct Subscribed {
+  std::string filter;
+  int qos = 0;
+};
+
+/// Its session is a clean one, and none is kept: what comes while it is not connected never comes.
+class Broker {
+ public:
+  using OnMessage = std::function<void(Message message)>;
+  enum class Sent : std::uint8_t { yes, too_long, no };
+
+  virtual ~Broker() = default;
+  virtual void subscribe(const Subscribed& to) = 0;
+  virtual Sent publish(const Publication& publication) = 0;
+  /// What was published has gone out: there is room for more.
+  virtual bool has_room() const = 0;
+  /// Until it is lost, or disconnect() was called: why.
+  virtual boost::asio::awaitable<std::string> end() = 0;
+  /// Ends it as asked: the broker does not publish the will.
+  virtual void disconnect() = 0;
+};
+
+/// Returns when the broker has let it in. Name and TCP are waited for on a thread of `workers`.
+/// Messages come from then on, in turns of the reactor of their own. Errors: why, in a sentence.
+boost::asio::awaitable<tl::expected<std::shared_ptr<Broker>, std::string>> connect_to_broker(
+    tmcld::Workers& workers, BrokerOptions options, Broker::OnMessage on_message,
+    std::function<void()> on_room);
+
+}  // namespace tmclmqtt

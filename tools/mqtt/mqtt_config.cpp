@@ -1,0 +1,188 @@
+#include "mqtt_config.hpp"
+
+#include <array>
+#include <charconv>
+#include <optional>
+#include <utility>
+
+#include <unistd.h>
+
+#include "config/files.hpp"
+#include "config/section_kind.hpp"
+#include "protocol/topics.hpp"
+#include "tmcl/spelling.hpp"
+
+namespace tmclmqtt {
+namespace {
+
+using tmcl::quoted;
+using tmcld::Needed;
+using tmcld::Said;
+using tmcld::Section;
+
+constexpr std::uint16_t plain_port = 1883;
+constexpr std::uint16_t tls_port = 8883;
+constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
+
+struct MqttSection : Section {
+  TMCL_SECTION(MqttSection, "[mqtt]");
+  TMCL_KEY(Needed<std::string>, broker,
+           "where the broker is, HOST or HOST:PORT; port 8883 if 'ca' is there, else 1883");
+  TMCL_KEY(Needed<std::string>, gateway, "what topics call this gateway");
+  TMCL_KEY(Needed<std::string>, socket, "path of the unix socket of tmcld");
+  TMCL_KEY(Said<std::string>, ca,
+           "file of the certificates that vouch for the broker's, in PEM: TLS");
+  TMCL_KEY(Said<std::string>, certificate,
+           "file of the certificate that the gateway shows the broker, in PEM");
+  TMCL_KEY(Said<std::string>, key, "file of the key of the certificate, in PEM");
+  TMCL_KEY(Said<std::chrono::milliseconds>, nonce_ttl_ms,
+           "how long before a call the nonce may have been given out that it brings", {200, 60000});
+  TMCL_KEY(Said<std::string>, log_level, "error, warning, info or debug");
+};
+
+struct MqttText {
+  std::vector<MqttSection> mqtt{};
+};
+constexpr std::array mqtt_kinds{tmcld::section_kind<MqttText, &MqttText::mqtt>()};
+
+class MqttDraft {
+ public:
+  explicit MqttDraft(tmcl::TextProblems& problems) : problems_(problems) {}
+
+  void add(const MqttSection& section) {
+    add_tls(section);
+    add_broker(section.broker);
+    if (section.gateway && !is_gateway_name(*section.gateway)) {
+      complain(
+          section.gateway,
+          "'gateway' is " + quoted(*section.gateway) +
+              ", but must be 1 to 64 letters, digits, '_', '-', '.', '@', and not all or reply");
+    }
+    if (section.socket && section.socket->empty())
+      complain(section.socket, "'socket' must be a path");
+    take(section.gateway, config.gateway);
+    take(section.socket, config.socket);
+    take(section.nonce_ttl_ms, config.nonce_ttl);
+    add_log_level(section.log_level);
+  }
+
+  MqttConfig config;
+
+ private:
+  template <class T>
+  static void take(const Said<T>& said, T& into) {
+    if (said) into = *said;
+  }
+  void complain(const tmcld::Given& key, std::string message) {
+    problems_.push_back(key.problem(std::move(message)));
+  }
+  void add_tls(const MqttSection& section) {
+    take(section.ca, config.ca);
+    take(section.certificate, config.certificate);
+    take(section.key, config.key);
+    if (section.certificate && !section.key)
+      complain(section.certificate, "'certificate' needs 'key', the file of its key");
+    if (section.key && !section.certificate)
+      complain(section.key, "'key' needs 'certificate', the file of the certificate");
+    if (section.certificate && !section.ca)
+      complain(section.certificate, "'certificate' needs 'ca': without it there is no TLS");
+  }
+  void add_broker(const Said<std::string>& broker);
+  void add_log_level(const Said<std::string>& level) {
+    if (!level) return;
+    for (std::size_t i = 0; i < level_names.size(); ++i) {
+      if (level_names[i] != *level) continue;
+      config.log_level = static_cast<tmcld::LogLevel>(i);
+      return;
+    }
+    complain(level, "'log_level' is " + quoted(*level) +
+                        ", but must be error, warning, info or debug." +
+                        tmcl::did_you_mean(*level, level_names));
+  }
+
+  tmcl::TextProblems& problems_;
+};
+
+void MqttDraft::add_broker(const Said<std::string>& broker) {
+  if (!broker) return;
+  config.port = config.ca.empty() ? plain_port : tls_port;
+  // Of an IPv6 address in brackets only what is behind them is a port.
+  const auto bracket = broker->rfind(']');
+  const auto colon = broker->rfind(':');
+  const bool has_port = colon != broker->npos && (bracket == broker->npos || colon > bracket);
+  config.host = has_port ? broker->substr(0, colon) : *broker;
+  if (config.host.size() > 2 && config.host.front() == '[' && config.host.back() == ']')
+    config.host = config.host.substr(1, config.host.size() - 2);
+  bool is_right = !config.host.empty() && config.host.find('/') == config.host.npos;
+  if (has_port) {
+    const auto* end = broker->data() + broker->size();
+    const auto read = std::from_chars(broker->data() + colon + 1, end, config.port);
+    is_right = is_right && read.ec == std::errc() && read.ptr == end && config.port != 0;
+  }
+  if (!is_right)
+    complain(broker, "'broker' is " + quoted(*broker) +
+                         ", but must be HOST or HOST:PORT, such as "
+                         "broker.example:8883");
+}
+
+void demand_section(const MqttText& text, tmcl::TextProblems& problems, const std::string& file) {
+  if (text.mqtt.size() == 1) return;
+  if (text.mqtt.empty()) {
+    problems.push_back(tmcld::Place{1, 1, file}.problem(
+        "the section [mqtt] with its keys 'broker', 'gateway' and 'socket' is missing"));
+    return;
+  }
+  problems.push_back(text.mqtt[1].place.problem("[mqtt] stands in " + text.mqtt[0].place.file +
+                                                " already: it is for one file"));
+}
+
+tl::expected<MqttConfig, tmcl::TextProblems> built(const MqttText& text, bool is_toml,
+                                                   tmcl::TextProblems problems,
+                                                   const std::string& file) {
+  if (is_toml && (problems.empty() || !text.mqtt.empty())) demand_section(text, problems, file);
+  MqttDraft draft(problems);
+  for (const auto& section : text.mqtt) draft.add(section);
+  if (problems.empty()) return draft.config;
+  return tl::unexpected(std::move(problems));
+}
+
+/// The library that uses them says of a file that is not there only that something is invalid.
+std::vector<std::string> problems_of_pem_files(const MqttConfig& config) {
+  std::vector<std::string> problems;
+  const std::array<std::pair<std::string_view, std::string>, 3> files{
+      std::pair{"ca", config.ca}, {"certificate", config.certificate}, {"key", config.key}};
+  for (const auto& [name, path] : files) {
+    if (path.empty() || ::access(path.c_str(), R_OK) == 0) continue;
+    problems.push_back(quoted(name) + " of [mqtt]: " + path + " cannot be read");
+  }
+  return problems;
+}
+
+}  // namespace
+
+tl::expected<MqttConfig, tmcl::TextProblems> parse_mqtt_config(std::string_view toml,
+                                                               const std::string& file) {
+  MqttText text;
+  tmcl::TextProblems problems;
+  tmcld::SectionsRead read{&text, problems};
+  tmcld::read_sections(toml, file, mqtt_kinds, read);
+  return built(text, read.is_toml, std::move(problems), file);
+}
+
+tl::expected<MqttConfig, std::vector<std::string>> load_mqtt_config(const std::string& path) {
+  const auto files = tmcld::read_config_files(path);
+  if (!files) return tl::unexpected(std::vector<std::string>{files.error()});
+  MqttText text;
+  tmcl::TextProblems problems;
+  tmcld::SectionsRead read{&text, problems};
+  for (const auto& file : *files) tmcld::read_sections(file.text, file.path, mqtt_kinds, read);
+  const auto config = built(text, read.is_toml, std::move(problems), path);
+  std::vector<std::string> lines;
+  if (config) lines = problems_of_pem_files(*config);
+  if (config && lines.empty()) return *config;
+  if (!config)
+    for (const auto& problem : config.error()) lines.push_back(describe(problem));
+  return tl::unexpected(std::move(lines));
+}
+
+}  // namespace tmclmqtt

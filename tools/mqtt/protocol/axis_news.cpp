@@ -1,0 +1,109 @@
+#include "protocol/axis_news.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "tmcl/json_text.hpp"
+
+namespace tmclmqtt {
+namespace {
+
+namespace json = boost::json;
+
+// They are about one subscription, or by the gateway's clock.
+constexpr std::array<std::string_view, 6> of_the_telling{"subscription",  "seq",     "dropped",
+                                                         "event_time_ms", "samples", "age_ms"};
+constexpr std::array<std::string_view, 6> of_moving{
+    "position_microsteps", "velocity_internal", "velocity_pps", "position", "velocity",
+    "position_reached"};
+
+json::object lasting_part(const json::object& told) {
+  json::object state;
+  for (const auto& [name, value] : told)
+    if (std::ranges::count(of_the_telling, std::string_view(name)) == 0) state.emplace(name, value);
+  return state;
+}
+
+bool is_moving(const json::object& state) {
+  const auto* moving = state.if_contains("moving");
+  return moving != nullptr && moving->is_bool() && moving->get_bool();
+}
+
+/// Something else than where it is on its way.
+bool is_news(const json::object& before, const json::object& after) {
+  if (!is_moving(after)) return before != after;
+  const auto differs = [&](const auto& one) {
+    if (std::ranges::count(of_moving, std::string_view(one.key())) != 0) return false;
+    const auto* old = before.if_contains(one.key());
+    return old == nullptr || *old != one.value();
+  };
+  return std::ranges::any_of(after, differs);
+}
+
+std::string telemetry_text(const json::object& state) {
+  json::object telemetry;
+  for (const auto name : of_moving)
+    if (const auto* value = state.if_contains(name)) telemetry.emplace(name, *value);
+  return tmcl::json_text(telemetry);
+}
+
+}  // namespace
+
+void AxisNews::wish(const std::string& user, tmcl::Duration time, tmcl::TimePoint now) {
+  std::erase_if(wishes_, [&](const auto& one) { return one.second <= now; });
+  wishes_.erase(user);
+  if (time > tmcl::Duration{} && wishes_.size() < most_wishes) wishes_.emplace(user, now + time);
+}
+
+bool AxisNews::is_wanted(tmcl::TimePoint now) const {
+  return std::ranges::any_of(wishes_, [&](const auto& one) { return one.second > now; });
+}
+
+Publication AxisNews::state_of(const std::string& axis, AxisTold& told, tmcl::TimePoint now) const {
+  told.state_told = now;
+  return {.topic = topics_.state(axis),
+          .payload = tmcl::json_text(told.state),
+          .retained = true,
+          .expiry_s = static_cast<std::uint32_t>(state_expiry.count())};
+}
+
+void AxisNews::add_telemetry(const std::string& axis, AxisTold& told, tmcl::TimePoint now,
+                             std::vector<Publication>& into) const {
+  if (!told.is_untold_telemetry || !is_wanted(now)) return;
+  if (told.telemetry_told && now - *told.telemetry_told < telemetry_interval) return;
+  told.telemetry_told = now;
+  told.is_untold_telemetry = false;
+  into.push_back({.topic = topics_.telemetry(axis), .payload = telemetry_text(told.state)});
+}
+
+std::vector<Publication> AxisNews::hear(const json::object& told, tmcl::TimePoint now) {
+  std::vector<Publication> news;
+  const auto* name = told.if_contains("axis");
+  if (name == nullptr || !name->is_string()) return news;
+  const std::string axis(name->get_string());
+  auto& known = axes_[axis];
+  auto state = lasting_part(told);
+  const bool changed = is_news(known.state, state);
+  known.is_untold_telemetry = known.is_untold_telemetry || known.state != state;
+  known.state = std::move(state);
+  if (changed) news.push_back(state_of(axis, known, now));
+  add_telemetry(axis, known, now, news);
+  return news;
+}
+
+std::vector<Publication> AxisNews::due(tmcl::TimePoint now) {
+  std::vector<Publication> news;
+  for (auto& [axis, told] : axes_) {
+    if (now - told.state_told > state_expiry / 2) news.push_back(state_of(axis, told, now));
+    add_telemetry(axis, told, now, news);
+  }
+  return news;
+}
+
+std::vector<Publication> AxisNews::all_states(tmcl::TimePoint now) {
+  std::vector<Publication> news;
+  for (auto& [axis, told] : axes_) news.push_back(state_of(axis, told, now));
+  return news;
+}
+
+}  // namespace tmclmqtt
