@@ -65,6 +65,19 @@ on suspicion, and the holder of a lease has its axes alone. Members of
 the group tmcl may use it."
   DEPENDS "systemd | systemd-standalone-sysusers" RECOMMENDS tmcl-tools
   EXTRA conffiles postinst prerm postrm)
+if(TARGET tmcld-mqtt)
+  install(FILES ${packaging}/mqtt.toml DESTINATION /etc/tmcl COMPONENT mqtt EXCLUDE_FROM_ALL)
+  install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/tmcld-mqtt.service
+    DESTINATION lib/systemd/system COMPONENT mqtt EXCLUDE_FROM_ALL)
+  install(FILES ${PROJECT_SOURCE_DIR}/config/sysusers/tmcld-mqtt.conf
+    DESTINATION lib/sysusers.d COMPONENT mqtt EXCLUDE_FROM_ALL)
+  tmcl_package(mqtt tmcld-mqtt electronics "puts a gateway to TMCL modules on an MQTT broker"
+    "tmcld-mqtt says on an MQTT 5 broker how the axes of a tmcld are, and brings
+calls and stops from there. No command is ever stored: what was held back
+on its way is refused. Other clients of tmcld use the same axes beside it."
+    DEPENDS "tmcld (= ${PROJECT_VERSION})" "systemd | systemd-standalone-sysusers" RECOMMENDS mosquitto-clients
+    EXTRA conffiles postinst prerm postrm)
+endif()
 tmcl_package(sim tmcl-sim electronics "simulated TMCL modules, with the ramps of the real ones"
   "tmclsim stands in for TMCM modules on a pseudo terminal, a TCP port, a CAN
 interface or as a USB device. Its ramps are those of the ramp generators of
