@@ -82,8 +82,8 @@ bool is_outside(const KeyValue& value, const tmcl::api::Bounds& bounds) {
 
 class Reader {
  public:
-  Reader(SectionKinds kinds, const std::string& file, OfDaemon daemon, SectionsRead& read)
-      : kinds_(kinds), file_(file), daemon_(daemon), read_(read) {}
+  Reader(SectionKinds of, const std::string& file, OfDaemon daemon, SectionsRead& read)
+      : kinds_(of), file_(file), daemon_(daemon), read_(read) {}
 
   void read(std::string_view toml) {
     // Debian's build of the library reports errors by throwing; this is where that ends.

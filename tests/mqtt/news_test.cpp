@@ -66,7 +66,7 @@ TEST_F(MqttAxisNews, TellsAStateWhenSomethingElseHasChangedThanThePlaceOnTheWay)
   EXPECT_THAT(hear(state_at(10, true)), ElementsAre(of_state)) << "it moves";
   EXPECT_THAT(hear(state_at(20, true)), IsEmpty());
   auto faulty = state_at(30, true);
-  faulty["faults"] = {"stall"};
+  faulty["faults"] = json::array{"stall"};
   EXPECT_THAT(hear(faulty), ElementsAre(of_state));
   EXPECT_THAT(hear(state_at(5000)), ElementsAre(of_state)) << "it stands, and where";
   EXPECT_THAT(hear(state_at(5000)), IsEmpty());

@@ -158,13 +158,16 @@ awaitable<std::string> Bridge::use_gateway() {
 }
 
 awaitable<Result<void>> Bridge::get_to_know(GatewayLink& link) {
-  const auto methods = co_await link.call(api::rpc::Discover::method.name, {});
+  auto asking = link.call(api::rpc::Discover::method.name, json::object());
+  const auto methods = co_await std::move(asking);
   if (!methods) co_return tl::unexpected(methods.error());
-  const auto axes = co_await link.call(api::axis::List::method.name, {});
+  asking = link.call(api::axis::List::method.name, json::object());
+  const auto axes = co_await std::move(asking);
   if (!axes) co_return tl::unexpected(axes.error());
   api::Subscribe all;
   all.interval_ms = state_interval_ms;
-  const auto subscribed = co_await link.call(api::Subscribe::method.name, api::to_json(all));
+  asking = link.call(api::Subscribe::method.name, api::to_json(all));
+  const auto subscribed = co_await std::move(asking);
   if (!subscribed) co_return tl::unexpected(subscribed.error());
   gate_.know_methods(methods_of(api::from_json<api::rpc::Methods>(*methods)));
   for (const auto& axis : api::from_json<api::axis::List::Result>(*axes).axes)

@@ -28,10 +28,12 @@ std::int64_t milliseconds(tmcl::TimePoint time) {
 /// Opened, and made the user's.
 awaitable<Result<std::shared_ptr<GatewayLink>>> open_for(std::string socket,
                                                          tmcl::api::relay::SpeakFor user) {
-  auto opened = co_await GatewayLink::open(std::move(socket));
+  auto opening = GatewayLink::open(std::move(socket));
+  auto opened = co_await std::move(opening);
   if (!opened) co_return opened;
-  const auto spoken =
-      co_await (*opened)->call(tmcl::api::relay::SpeakFor::method.name, tmcl::api::to_json(user));
+  auto speaking =
+      (*opened)->call(tmcl::api::relay::SpeakFor::method.name, tmcl::api::to_json(user));
+  const auto spoken = co_await std::move(speaking);
   if (spoken) co_return opened;
   (*opened)->close();
   co_return tl::unexpected(spoken.error());
