@@ -1,5 +1,7 @@
 #include "api/course_view.hpp"
 
+#include <algorithm>
+
 #include "tmcl/plan/shaping_report.hpp"
 
 namespace tmcld {
@@ -11,6 +13,21 @@ namespace {
 
 constexpr std::size_t most_corners = 5;
 
+/// One of each word at most.
+void note(const tmcl::plan::CourseHalt& halt, path::Course& view) {
+  if (halt.waits()) {
+    ++view.waits;
+    return;
+  }
+  auto word = std::ranges::find(view.words, halt.word, &path::CarriedOut::number);
+  if (word == view.words.end()) {
+    word = view.words.insert(view.words.end(), path::CarriedOut{});
+    word->number = halt.word;
+    word->line = halt.line;
+  }
+  ++word->times;
+}
+
 }  // namespace
 
 std::vector<double> to_list(const tmcl::plan::AxisValues& values, std::size_t axes) {
@@ -18,7 +35,10 @@ std::vector<double> to_list(const tmcl::plan::AxisValues& values, std::size_t ax
 }
 
 path::Course view_of(const Course& course, const std::vector<std::string>& names) {
-  path::Course view{course.length(), course.duration(), course.legs()};
+  path::Course view;
+  view.length = course.length();
+  view.duration_s = course.duration();
+  view.legs = course.legs();
   for (std::size_t axis = 0; axis < course.axes(); ++axis) {
     view.axes.push_back(
         {names[axis], course.least()[axis], course.greatest()[axis], course.top_speed(axis)});
@@ -27,6 +47,8 @@ path::Course view_of(const Course& course, const std::vector<std::string>& names
     view.slowest_corners.push_back(
         {corner.line, corner.time, corner.speed, to_list(corner.position, course.axes())});
   }
+  for (const auto& halt : course.halts()) note(halt, view);
+  std::ranges::sort(view.words, {}, &path::CarriedOut::number);
   return view;
 }
 

@@ -194,6 +194,10 @@ using Look = std::function<void(const plan::Course&, const std::vector<std::stri
 Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
   auto request = co_await must(request_of(params));
   request.shaping = co_await must(shaping_of(params));
+  const PathWords words(*call.gateway);
+  const auto unknowns = request.setup.unknowns;
+  request.setup = setup_of(call.gateway->path());
+  request.setup.unknowns = unknowns;
   // Before the text is read, which may take a while.
   if (!with_namesakes && !params.axes) {
     co_return param_error("bad_argument", "axes",
@@ -208,8 +212,8 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
 
   // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
   const auto text = std::make_shared<const std::string>(std::move(given));
-  auto read = [text, format, tolerance = request.tolerance, unknowns = request.unknowns] {
-    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance, unknowns);
+  auto read = [text, format, tolerance = request.tolerance, setup = request.setup] {
+    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance, setup);
   };
   auto source = co_await planner.plan(std::move(read));
   if (!source) co_return error_of(source.error(), "text");
@@ -243,6 +247,7 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
                       std::move(axes),
                       std::move(known),
                       std::move(*course),
+                      words,
                       params.name.value_or("")};
   co_return planned;
 }
@@ -368,6 +373,7 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
   planned.number = call.gateway->next_path_number();
   result->plan = planned.number;
   for (const auto& axis : planned.axes) result->axes.push_back(axis->name());
+  for (auto& word : result->course.words) word.switches = planned.words.what_switches(word.number);
   result->warnings = co_await warnings_of(planned);
   if (auto warning = warning_of(result->expected, planned.request.tolerance); !warning.empty())
     result->warnings.push_back(std::move(warning));
@@ -403,9 +409,9 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   options.most_seen = most_seen;
 
   const auto executor = co_await boost::asio::this_coro::executor;
-  const auto run = std::make_shared<PathRun>(executor, std::move(planned.course),
-                                             std::move(members), streamed(planned.known), options,
-                                             std::move(planned.name), path_progress_to(call));
+  const auto run = std::make_shared<PathRun>(
+      executor, std::move(planned.course), std::move(members), streamed(planned.known), options,
+      std::move(planned.words), std::move(planned.name), path_progress_to(call));
   const auto failure = co_await PathRun::pass(run);
   co_await must_not(failure);
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));

@@ -89,6 +89,7 @@ path::RunningPath view_of_run(const PathRun& run) {
   view.off_path = run.report().largest_off;
   view.off_path_at_s = run.report().largest_off_at_s;
   view.lag_s = run.report().largest_lag_s;
+  if (const auto* halt = run.waits_at()) view.waits_at_line = halt->line;
   return view;
 }
 

@@ -45,6 +45,7 @@ Config build_config(ConfigText& text) {
   for (const auto& section : text.modules) add_module(draft, section);
   for (const auto& section : text.axes) add_axis(draft, section);
   for (const auto& section : text.ports) add_port(draft, section);
+  for (const auto& section : text.path) add_path(draft, section);
   note_texts(draft.config, text);
   check_whole(draft);
   return std::move(draft.config);

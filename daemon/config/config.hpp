@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -150,6 +151,22 @@ struct AxisConfig {
   std::optional<double> home_max_travel{};
 };
 
+/// An output of a module, and what it is set to.
+struct OutputSetting {
+  std::string bus;
+  tmcl::ModuleAddress module{};
+  std::uint8_t port = 0;
+  std::int32_t value = 0;
+};
+/// "bench:1 output 0 1", as a configuration says it.
+std::string to_string(const OutputSetting& output);
+
+/// What paths of G-code are read and run with.
+struct PathConfig {
+  /// What M3, M4, M5, M7, M8 and M9 switch, by their numbers; nothing for others.
+  std::map<std::uint8_t, OutputSetting> words{};
+};
+
 struct PtyName {
   std::string path;  ///< Of a symbolic link to the pseudo terminal.
 };
@@ -169,6 +186,7 @@ struct Config {
   std::vector<AxisConfig> axes;
   std::vector<AccessConfig> access{};  ///< Empty: every client may do everything.
   std::vector<PortConfig> ports{};
+  PathConfig path{};
   /// All that is said in sections of other kinds than these.
   std::string others{};
 };

@@ -47,14 +47,15 @@ void Draft::complain_of_second(const Said<std::string>& name, std::string_view t
   complain(name, fmt::format("the name {} is given twice in {}", quoted(*name), title));
 }
 
-BusConfig* Draft::find_bus(const Said<std::string>& name) {
+BusConfig* Draft::find_bus(const Said<std::string>& name, std::string_view about) {
   if (!name) return nullptr;
   const auto found = std::ranges::find(config.buses, *name, &BusConfig::name);
   if (found != config.buses.end()) return &*found;
   // A bus that was refused has been complained about already; its axes are innocent.
   if (has_nameless_bus_ || std::ranges::count(declared_buses_, *name) != 0) return nullptr;
   const std::vector<std::string_view> known(declared_buses_.begin(), declared_buses_.end());
-  complain(name, "there is no bus " + quoted(*name) + "." + tmcl::did_you_mean(*name, known));
+  complain(name, fmt::format("{}there is no bus {}.{}", about, quoted(*name),
+                             tmcl::did_you_mean(*name, known)));
   return nullptr;
 }
 

@@ -39,7 +39,8 @@ class Draft {
     return false;
   }
   /// Null if none is named, or if there is none: then with a complaint, unless there was one.
-  BusConfig* find_bus(const Said<std::string>& name);
+  /// `about` begins the complaint.
+  BusConfig* find_bus(const Said<std::string>& name, std::string_view about = {});
   /// A number that must be greater than 0.
   template <class Target>
   void set_positive(const Said<double>& said, Target& target, std::string_view advice = {}) {

@@ -54,6 +54,7 @@ tl::expected<ConfigText, Lines> read_all(const std::string& path, OfDaemon daemo
   for (const auto& file : *files) read_sections(file.text, file.path, daemon, all);
   check_is_single(all.daemon, all.problems);
   check_is_single(all.http, all.problems);
+  check_is_single(all.path, all.problems);
   return all;
 }
 
@@ -85,6 +86,12 @@ void keep_only(ConfigText& text, const std::string& bus) {
   std::erase_if(text.axes, is_elsewhere);
   std::erase_if(text.ports, is_elsewhere);
   text.access.clear();
+  for (auto& section : text.path) {
+    for (const auto& one : path_word_keys) {
+      auto& said = section.*one.key;
+      if (said && !said->starts_with(bus + ":")) said = {};
+    }
+  }
 }
 
 }  // namespace

@@ -26,7 +26,8 @@ constexpr std::array kinds{section_kind<ConfigText, &ConfigText::daemon>(),
                            section_kind<ConfigText, &ConfigText::buses>(),
                            section_kind<ConfigText, &ConfigText::modules>(),
                            section_kind<ConfigText, &ConfigText::axes>(),
-                           section_kind<ConfigText, &ConfigText::ports>()};
+                           section_kind<ConfigText, &ConfigText::ports>(),
+                           section_kind<ConfigText, &ConfigText::path>()};
 
 std::string_view name_of(KeyType type) {
   switch (type) {
@@ -128,7 +129,8 @@ class Reader {
 
   void read_single(const SectionKind& kind, const toml::node& node) {
     read_.singles.push_back(kind.title);
-    if (daemon_ == OfDaemon::ignored) return;
+    const bool is_for_all = kind.title == PathSection::title;
+    if (daemon_ == OfDaemon::ignored && !is_for_all) return;
     if (const auto* table = node.as_table()) return read_section(kind, *table);
     complain(node.source(), fmt::format("there is one such section, written {}", kind.title));
   }

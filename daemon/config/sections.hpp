@@ -1,6 +1,7 @@
 /// The sections of a configuration file and their keys, free of the TOML library.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -159,13 +160,36 @@ struct PortSection : Section {
            "what hosts may do besides reading and stopping: move, configure");
 };
 
+struct PathSection : Section {
+  TMCL_SECTION(PathSection, "[path]");
+  TMCL_KEY(Said<std::string>, m3, "what M3 of G-code switches: BUS:ADDRESS output PORT VALUE");
+  TMCL_KEY(Said<std::string>, m4, "what M4 switches");
+  TMCL_KEY(Said<std::string>, m5,
+           "what M5 switches; also when a path ends after M3 or M4, and without M5");
+  TMCL_KEY(Said<std::string>, m7, "what M7 switches");
+  TMCL_KEY(Said<std::string>, m8, "what M8 switches");
+  TMCL_KEY(Said<std::string>, m9,
+           "what M9 switches; also when a path ends after M7 or M8, and without M9");
+};
+/// Its keys of M words, by their numbers.
+struct PathWordKey {
+  std::uint8_t word;
+  Said<std::string> PathSection::*key;
+};
+constexpr std::array path_word_keys{
+    PathWordKey{3, &PathSection::m3}, PathWordKey{4, &PathSection::m4},
+    PathWordKey{5, &PathSection::m5}, PathWordKey{7, &PathSection::m7},
+    PathWordKey{8, &PathSection::m8}, PathWordKey{9, &PathSection::m9}};
+
 /// What one file says, or several, one after the other.
 struct ConfigText {
   std::vector<std::string> files{};     ///< Their paths; empty ones of texts that are in none.
   bool is_toml = true;                  ///< If not, there are no sections of it, and one problem.
   bool names_daemon = false;            ///< Its section, right or wrong.
-  std::vector<DaemonSection> daemon{};  ///< More than one only of several files; `http`, too.
+  std::vector<DaemonSection> daemon{};  ///< More than one only of several files; `http` and
+                                        ///< `path`, too.
   std::vector<HttpSection> http{};
+  std::vector<PathSection> path{};
   std::vector<AccessSection> access{};
   std::vector<BusSection> buses{};
   std::vector<ModuleSection> modules{};
@@ -174,7 +198,7 @@ struct ConfigText {
   tmcl::TextProblems problems{};
 };
 
-/// What is for a daemon alone: the sections of which there is one.
+/// What is for a daemon alone: [daemon] and [http].
 enum class OfDaemon : std::uint8_t { read, ignored };
 
 /// Reads TOML, checks its sections and keys, and appends them to `text`. Never throws.

@@ -52,6 +52,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
     gateway->journal_ = std::make_shared<Journal>(executor, own.journal, held, own.log, tell);
   }
   gateway->access_ = config.access;
+  gateway->path_ = config.path;
   gateway->moves_need_lease_ = config.daemon.moves_need_lease;
   gateway->planning.set_limit(config.daemon.planning_bytes());
   gateway->add_buses(config);
@@ -145,6 +146,7 @@ void Gateway::adopt(const Config& config) {
   for (const auto& bus : closed) bus->retire();
   retired_.insert(retired_.end(), closed.begin(), closed.end());
   access_ = config.access;
+  path_ = config.path;
   moves_need_lease_ = config.daemon.moves_need_lease;
   planning.set_limit(config.daemon.planning_bytes());
   options_.on_exit = config.daemon.on_exit;

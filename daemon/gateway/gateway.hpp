@@ -94,6 +94,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   OnExit on_exit() const;
   /// What clients may do, by the configuration.
   const std::vector<AccessConfig>& access() const { return access_; }
+  /// What paths of G-code are read and run with.
+  const PathConfig& path() const { return path_; }
   /// A movement needs a lease of its axis, but for what the gateway leads.
   bool moves_need_lease() const { return moves_need_lease_; }
   /// Stops all axes that are on a line or path; their runs set their settings back.
@@ -179,6 +181,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   tmcl::ContextClock clock_;
   GatewayOptions options_;
   std::vector<AccessConfig> access_;
+  PathConfig path_;
   bool moves_need_lease_ = false;
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();

@@ -345,7 +345,7 @@ TEST(GcodeProperty, UnknownWordsChangeNothingElse) {
       text += unknown[static_cast<std::size_t>(random.between(0, unknown.size() - 1))];
       text += '\n';
     }
-    const auto path = read_gcode(text, {}, Unknowns::skipped);
+    const auto path = read_gcode(text, {}, {Unknowns::skipped});
     ASSERT_TRUE(path) << describe(path.error().front(), "text") << '\n' << text;
     expect_elements(*path, writer.drawn(), text);
     if (HasFatalFailure()) return;

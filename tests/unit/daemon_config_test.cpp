@@ -516,6 +516,54 @@ TEST(DaemonConfig, KnowsTheLimitsOfAnAxis) {
               ElementsAre("f:13:16: 'max_velocity' is -1, but must be greater than 0"));
 }
 
+// ---- what paths of G-code switch
+
+TEST(DaemonConfig, KnowsWhatMWordsOfPathsSwitch) {
+  const auto config = parse_config(std::string(good) +
+                                   "[path]\nm3 = \"bench:1 output 0 1\"\n"
+                                   "m9 = \"bench:2047 output 255 0\"\n");
+  ASSERT_TRUE(config) << config.error().front().message;
+  const auto& words = config->path.words;
+  ASSERT_EQ(words.size(), 2U);
+  EXPECT_EQ(to_string(words.at(3)), "bench:1 output 0 1");
+  EXPECT_EQ(to_string(words.at(9)), "bench:2047 output 255 0");
+  EXPECT_EQ(words.at(9).module.value, 2047);
+  EXPECT_TRUE(parse_config(good)->path.words.empty());
+}
+
+TEST(DaemonConfig, RefusesWhatMWordsCannotSwitch) {
+  for (const std::string wrong :
+       {"", "bench", "bench:1", "bench:1 output 0", "bench:1 output 0 2", "bench:1 output 256 1",
+        "bench:2048 output 0 1", "bench:1 outpt 0 1", "bench:1 output 0 1 ", "1 output 0 1",
+        ":1 output 0 1", "bench:-1 output 0 1", "bench:1 output  0 1", "bench:x output 0 1"}) {
+    EXPECT_THAT(problems(std::string(good) + "[path]\nm7 = \"" + wrong + "\"\n"),
+                ElementsAre("f:13:6: 'm7' is '" + wrong +
+                            "', but must be BUS:ADDRESS output PORT VALUE with 0 or 1 as VALUE, "
+                            "such as \"bench:1 output 0 1\""));
+  }
+  EXPECT_THAT(problems(std::string(good) + "[path]\nm3 = \"bensh:1 output 0 1\"\n"),
+              ElementsAre("f:13:6: 'm3': there is no bus 'bensh'. Did you mean 'bench'?"));
+  EXPECT_THAT(problems(std::string(good) + "[path]\nm3 = 1\n"),
+              ElementsAre("f:13:6: 'm3' must be a text in quotes"));
+  EXPECT_THAT(problems(std::string(good) + "[path]\nm6 = \"bench:1 output 0 1\"\n"),
+              ElementsAre(HasSubstr("f:13:1: unknown key 'm6' in [path].")));
+  EXPECT_THAT(problems(std::string(good) + "[[path]]\n"),
+              ElementsAre(HasSubstr("there is one such section, written [path]")));
+}
+
+// With --direct there is one bus: what is on others is not switched.
+TEST(DaemonConfig, OfOneLinkThereIsWhatItsBusSwitches) {
+  const auto path = tmcl::test::temp_path("switches.toml");
+  std::ofstream(path) << good
+                      << "[[bus]]\nname = \"other\"\nlink = \"can:can0\"\n[path]\n"
+                         "m3 = \"bench:1 output 0 1\"\nm5 = \"other:1 output 0 0\"\n";
+  const auto config =
+      load_config_for_link(path, *tmcl::parse_link_name("serial:/dev/ttyACM0@115200"));
+  ASSERT_TRUE(config) << config.error().front();
+  EXPECT_EQ(config->path.words.size(), 1U);
+  EXPECT_TRUE(config->path.words.contains(3));
+}
+
 TEST(DaemonConfig, ExampleFileIsGoodAndMentionsEveryKey) {
   const std::string path = TMCL_SOURCE_DIR "/config/tmcld.toml";
   const auto config = load_config(path);

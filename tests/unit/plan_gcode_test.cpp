@@ -19,12 +19,12 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-Path read(std::string_view text, const Point& start = {}, Unknowns unknowns = Unknowns::refused) {
-  const auto path = read_gcode(text, start, unknowns);
+Path read(std::string_view text, const Point& start = {}, const GcodeSetup& setup = {}) {
+  const auto path = read_gcode(text, start, setup);
   EXPECT_TRUE(path) << describe(path.error().front(), "text");
   return path.value_or(Path{});
 }
-Path read_lenient(std::string_view text) { return read(text, {}, Unknowns::skipped); }
+Path read_lenient(std::string_view text) { return read(text, {}, {Unknowns::skipped}); }
 
 std::vector<std::string> told(const TextProblems& problems) {
   std::vector<std::string> all;
@@ -32,7 +32,7 @@ std::vector<std::string> told(const TextProblems& problems) {
   return all;
 }
 std::vector<std::string> complaints(std::string_view text, Unknowns unknowns = Unknowns::refused) {
-  const auto path = read_gcode(text, {}, unknowns);
+  const auto path = read_gcode(text, {}, {unknowns});
   return path ? std::vector<std::string>{} : told(path.error());
 }
 std::string complaint(std::string_view text) {
@@ -223,13 +223,60 @@ TEST(PlanGcode, ExactStopsStandBetweenMovements) {
   EXPECT_EQ(pauses(read("G64 G0 X1\nY2\nX3\n")), 0U);
 }
 
-TEST(PlanGcode, M0StandsAndM30Ends) {
+TEST(PlanGcode, M0WaitsM1StandsAndM30Ends) {
   const auto path = read("G0 X1 M0\nX2\nM1\nX3\nM30\nnonsense\n");
-  EXPECT_EQ(pauses(path), 2U);
+  EXPECT_THAT(path.elements, ElementsAre(Element(LineTo{{1}, {}, {}, 1}), Element(Dwell{0, 1, 0}),
+                                         Element(LineTo{{2}, {}, {}, 2}), Element(Dwell{0, 3}),
+                                         Element(LineTo{{3}, {}, {}, 4})));
   EXPECT_THAT(told(path.remarks),
-              ElementsAre("text:1:7: M0 does not wait: the axes stand and go on",
-                          "text:3:1: M1 does not wait: the axes stand and go on"));
-  EXPECT_THAT(ends(path), SizeIs(3));
+              ElementsAre("text:3:1: M1 does not wait: the axes stand and go on"));
+}
+
+// ---- What is switched
+
+GcodeSetup carrying_out(std::initializer_list<std::size_t> words) {
+  GcodeSetup setup;
+  for (const auto word : words) setup.words.set(word);
+  return setup;
+}
+/// The M words of the dwells, and "-" for what moves.
+std::string order_of(const Path& path) {
+  std::string order;
+  for (const auto& element : path.elements) {
+    const auto* dwell = std::get_if<Dwell>(&element);
+    order += dwell == nullptr ? "- "
+             : dwell->word    ? "M" + std::to_string(*dwell->word) + " "
+                              : "G4 ";
+  }
+  return order;
+}
+
+TEST(PlanGcode, WordsThatAreCarriedOutComeBeforeTheMovementOfTheirLine) {
+  const auto all = carrying_out({3, 4, 5, 7, 8, 9});
+  EXPECT_EQ(order_of(read("G0 X1 M3\nG4 P1 M8\nX2 M5 M9\nX3\n", {}, all)), "M3 - M8 G4 M5 M9 - - ");
+  EXPECT_EQ(order_of(read("M4 M7\nG0 X1\nM0 M5 X2\nM9\n", {}, all)), "M4 M7 - M5 - M0 M9 ");
+  const auto path = read("G0 X1\nM3\nM5\n", {}, all);
+  EXPECT_EQ(std::get<Dwell>(path.elements.at(1)), (Dwell{0, 2, 3}));
+  EXPECT_THAT(path.remarks, IsEmpty());
+}
+
+TEST(PlanGcode, WordsThatAreNotCarriedOutAreToldAndTheAxesGoOn) {
+  const auto path = read("M3\nG0 X1 M8\nM6\nX2 M5\n", {}, carrying_out({3}));
+  EXPECT_EQ(order_of(path), "M3 - - ");
+  EXPECT_THAT(told(path.remarks),
+              ElementsAre("text:2:7: M8 is not carried out", "text:3:1: M6 is not carried out",
+                          "text:4:4: M5 is not carried out"));
+}
+
+TEST(PlanGcode, WhatIsStillOnIsSwitchedOffAtTheEnd) {
+  const auto all = carrying_out({3, 4, 5, 7, 8, 9});
+  const auto path = read("M3 M8\nG0 X1\nM30\nX2\n", {}, all);
+  EXPECT_EQ(order_of(path), "M3 M8 - M5 M9 ");
+  EXPECT_EQ(std::get<Dwell>(path.elements.back()), (Dwell{0, 3, 9}));
+  EXPECT_EQ(order_of(read("M4\nM7\nM9\nG0 X1\n", {}, all)), "M4 M7 M9 - M5 ");
+  EXPECT_EQ(order_of(read("M5 M9 G0 X1\n", {}, all)), "M5 M9 - ");
+  EXPECT_EQ(order_of(read("M3 G0 X1\n", {}, carrying_out({3}))), "M3 - ");
+  EXPECT_EQ(order_of(read("M3 G0 X1\n", {}, carrying_out({5}))), "- ");
 }
 
 TEST(PlanGcode, TheSecondTapeMarkEndsIt) {

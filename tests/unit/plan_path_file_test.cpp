@@ -499,7 +499,7 @@ TEST(PlanPathFile, SurvivesAnyText) {
     const auto text =
         table ? pieces_in_any_order(random, csv_pieces) : pieces_in_any_order(random, gcode_pieces);
     const auto unknowns = random.one_in(2) ? Unknowns::skipped : Unknowns::refused;
-    const auto path = table ? read_csv(text) : read_gcode(text, {}, unknowns);
+    const auto path = table ? read_csv(text) : read_gcode(text, {}, {unknowns});
     read += path ? 1 : 0;
     if (path) {
       expect_finite(*path, text);

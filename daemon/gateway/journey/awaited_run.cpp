@@ -51,6 +51,10 @@ std::vector<std::string> AwaitedRun::unstopped() const {
 std::string AwaitedRun::text_of(const DriveFault& fault) const {
   auto text = tmcl::text_of(fault, axis_names());
   for (const auto& axis : unstopped()) text += "; " + not_stopped(axis);
+  for (const auto& [word, why] : report().unswitched) {
+    text += "; M" + std::to_string(word) +
+            " was not carried out, and what it switches off may be on (" + why.message + ")";
+  }
   return text;
 }
 

@@ -174,13 +174,19 @@ Admitted DriveRun::movement_of(const DriveMember& member) const {
   };
   options.premise = {[=, this] { return changed() != members_.end(); },
                      [=] { return changed()->admitted->premise.check(); }};
-  options.objection = [this]() -> std::optional<tmcl::Error> {
-    for (const auto& one : members_) {
-      if (auto stop = one.movement.objection()) return stop;
-    }
-    return std::nullopt;
-  };
+  options.objection = [this] { return objection(); };
   return options;
+}
+
+std::optional<tmcl::Error> DriveRun::objection() const {
+  for (const auto& one : members_) {
+    if (auto stop = one.movement.objection()) return stop;
+  }
+  return std::nullopt;
+}
+
+awaitable<tmcl::Result<void>> DriveRun::carry_out_word(int /*word*/, bool /*at_stop*/) {
+  co_return tmcl::Result<void>{};
 }
 
 awaitable<tmcl::Result<std::int32_t>> DriveRun::get(const DriveMember& member,
@@ -211,6 +217,12 @@ awaitable<tmcl::Result<std::int32_t>> DriveRun::set(const DriveMember& member,
 }
 
 awaitable<tmcl::Result<std::int32_t>> DriveRun::carry_out(DriveCommand command) {
+  if (command.kind == DriveCommand::Kind::carry_out) {
+    auto once = [this, command] { return carry_out_word(command.value, command.may_wait); };
+    auto switching = command.may_wait ? patience_.insist(once) : once();
+    auto switched = co_await std::move(switching);
+    co_return answer_of(std::move(switched));
+  }
   const auto& member = members_[command.axis];
   auto movement = movement_of(member);
   const auto address = member.axis->address();
@@ -252,6 +264,7 @@ awaitable<tmcl::Result<std::int32_t>> DriveRun::carry_out(DriveCommand command) 
       auto moved = co_await member.axis->perform(std::move(script), std::move(movement));
       co_return answer_of(std::move(moved));
     }
+    case DriveCommand::Kind::carry_out: break;  // of no axis
   }
   co_return 0;
 }

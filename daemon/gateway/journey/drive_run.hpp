@@ -55,12 +55,16 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   virtual boost::asio::awaitable<tmcl::TimePoint> before_step() = 0;
   /// Ends what the axis does.
   virtual GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) = 0;
+  /// An M word of G-code.
+  virtual boost::asio::awaitable<tmcl::Result<void>> carry_out_word(int word, bool at_stop);
   /// `restores`: it was changed for the drive, and is to be as it was.
   virtual GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,
                                              bool restores) = 0;
   /// The right to move an axis, as long as none of them has been stopped by others, and the soft
   /// limits of all allow it.
   Admitted movement_of(const DriveMember& member) const;
+  /// Why nothing more may be begun for the drive, if one of its axes was stopped by others.
+  std::optional<tmcl::Error> objection() const;
 
   std::vector<DriveMember> members_;
   Wake woken_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gateway/journey/awaited_run.hpp"
+#include "gateway/journey/path_words.hpp"
 #include "tmcl/plan/course.hpp"
 #include "tmcl/plan/stream.hpp"
 
@@ -14,10 +15,12 @@ class PathRun final : public AwaitedRun {
   /// `axes` are those of the members, in the order of the course; `name`: what its client calls it.
   PathRun(const boost::asio::any_io_executor& executor, tmcl::plan::Course course,
           std::vector<DriveMember> members, std::vector<tmcl::plan::StreamAxis> axes,
-          tmcl::plan::StreamOptions options, std::string name, OnProgress on_progress)
+          tmcl::plan::StreamOptions options, PathWords words, std::string name,
+          OnProgress on_progress)
       : AwaitedRun(executor, std::move(members), ClaimKind::path, GatewayEvent::Kind::path_broken),
         course_(std::move(course)),
         mode_(options.mode),
+        words_(std::move(words)),
         name_(std::move(name)),
         stream_(course_, std::move(axes), options),
         on_progress_(std::move(on_progress)) {}
@@ -32,6 +35,8 @@ class PathRun final : public AwaitedRun {
     woken_.notify();
   }
   tmcl::plan::StreamFeed feed() const { return stream_.feed(); }
+  /// Null if it waits at no M0.
+  const tmcl::plan::CourseHalt* waits_at() const { return stream_.waits_at(); }
   tmcl::plan::StreamMode mode() const { return mode_; }
   const std::string& name() const { return name_; }
   const tmcl::plan::Course& course() const { return course_; }
@@ -43,9 +48,16 @@ class PathRun final : public AwaitedRun {
  private:
   tmcl::plan::Drive& what_drives() override { return stream_; }
   void tell_progress() override { on_progress_(*this); }
+  boost::asio::awaitable<tmcl::Result<void>> carry_out_word(int word, bool at_stop) override {
+    RunOptions options;
+    options.permit = members_.front().movement.permit;
+    if (!at_stop) options.objection = [this] { return objection(); };
+    return words_.carry_out(word, std::move(options));
+  }
 
   tmcl::plan::Course course_;
   tmcl::plan::StreamMode mode_;
+  PathWords words_;
   std::string name_;
   tmcl::plan::PathStream stream_;
   OnProgress on_progress_;

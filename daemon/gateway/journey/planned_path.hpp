@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gateway/axis/axis.hpp"
+#include "gateway/journey/path_words.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld {
@@ -17,6 +18,7 @@ struct PlannedPath {
   std::vector<std::shared_ptr<GatewayAxis>> axes;
   std::vector<tmcl::plan::PathAxis> known;  ///< As they were when it was planned.
   tmcl::plan::Course course;
+  PathWords words;   ///< As they were when it was planned.
   std::string name;  ///< What its client calls it; empty: nothing.
 };
 

@@ -31,6 +31,8 @@ std::vector<std::string> remarks_of(const plan::DriveReport& report,
     remarks.push_back(fmt::format("parameter {} of {} was {} before: {}", before.parameter,
                                   axes.at(axis), before.value, in_one_line(why)));
   }
+  for (const auto& [word, why] : report.unswitched)
+    remarks.push_back(fmt::format("M{} was not carried out: {}", word, in_one_line(why)));
   return remarks;
 }
 

@@ -259,6 +259,7 @@ struct CheckPath {
   std::string csv;                        ///< Of all axes over time; empty: none.
   double csv_step = 0.001;                ///< Seconds between its rows.
   bool lenient = false;
+  std::string machine;  ///< A configuration of tmcld; empty: none.
   ShapedPath shaping;
 };
 /// And run on axes.

@@ -61,6 +61,31 @@ std::string title(const std::string& file, const Course& course) {
                      figure(course.duration_s));
 }
 
+void print_corners(const Course& course, Output& output) {
+  if (course.slowest_corners.empty()) return;
+  output.out << '\n';
+  Table corners({"SLOWEST CORNER", "TIME", "SPEED"});
+  for (const auto& corner : course.slowest_corners)
+    corners.add({fmt::format("end of line {}", corner.line), figure(corner.time_s, 4) + " s",
+                 figure(corner.speed)});
+  corners.print(output);
+}
+
+/// What is done where it stands.
+void print_halts(const Course& course, Output& output) {
+  if (!course.words.empty()) {
+    output.out << '\n';
+    Table words({"WORD", "SWITCHES", "TIMES", "FIRST AT"});
+    for (const auto& word : course.words)
+      words.add({fmt::format("M{}", word.number), word.switches, std::to_string(word.times),
+                 fmt::format("line {}", word.line)});
+    words.print(output);
+  }
+  if (course.waits > 0)
+    output.out << fmt::format("\nwaits {} at M0 until 'tmclctl path resume'\n",
+                              course.waits == 1 ? "once" : fmt::format("{} times", course.waits));
+}
+
 /// `second`: the axis that is drawn upwards.
 void add(const api::path::Passage& passage, std::size_t second, plot::Plane& plane) {
   if (!passage.seen) return;
@@ -124,13 +149,8 @@ void print(const std::string& file, const Course& course, Output& output) {
   for (const auto& axis : course.axes)
     axes.add({axis.axis, figure(axis.least), figure(axis.greatest), figure(axis.top_speed)});
   axes.print(output);
-  if (course.slowest_corners.empty()) return;
-  output.out << '\n';
-  Table corners({"SLOWEST CORNER", "TIME", "SPEED"});
-  for (const auto& corner : course.slowest_corners)
-    corners.add({fmt::format("end of line {}", corner.line), figure(corner.time_s, 4) + " s",
-                 figure(corner.speed)});
-  corners.print(output);
+  print_corners(course, output);
+  print_halts(course, output);
 }
 
 void print(const tmcl::api::path::Shaping& shaping, Output& output) {

@@ -1,8 +1,14 @@
 // path check.
 #include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "api/course_view.hpp"
 #include "command_line/text_problems.hpp"
+#include "config/load.hpp"
+#include "gateway/journey/path_words.hpp"
 #include "output/output_file.hpp"
 #include "output/print.hpp"
 #include "path/course_rows.hpp"
@@ -26,8 +32,28 @@ Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objecti
   return failure;
 }
 
-plan::path_file::Unknowns unknowns_of(const verb::CheckPath& verb) {
-  return verb.lenient ? plan::path_file::Unknowns::skipped : plan::path_file::Unknowns::refused;
+/// What --machine says of paths.
+Result<tmcld::PathConfig> machine_of(const verb::CheckPath& verb) {
+  if (verb.machine.empty()) return tmcld::PathConfig{};
+  auto loaded = tmcld::load_config(verb.machine);
+  if (loaded) return std::move(loaded->config.path);
+  return tl::unexpected(
+      usage_error("bad_config", fmt::format("{}", fmt::join(loaded.error(), "\n"))));
+}
+
+plan::path_file::GcodeSetup setup_of(const verb::CheckPath& verb,
+                                     const tmcld::PathConfig& machine) {
+  auto setup = tmcld::setup_of(machine);
+  if (verb.lenient) setup.unknowns = plan::path_file::Unknowns::skipped;
+  return setup;
+}
+
+/// Where it goes, and what it switches.
+tmcl::api::path::Course view_of(const plan::Course& planned, const plan::PathSource& source,
+                                const tmcld::PathConfig& machine) {
+  auto course = tmcld::view_of(planned, source.path.axes);
+  for (auto& word : course.words) word.switches = to_string(machine.words.at(word.number));
+  return course;
 }
 
 std::optional<plan::Shaping> shaping_of(const verb::ShapedPath& said) {
@@ -44,10 +70,10 @@ std::string corners_warning(const verb::CheckPath& verb) {
 }
 
 /// As the file has it, with arcs.
-plan::path_file::Path drawn_path(const verb::CheckPath& verb, const std::string& text,
-                                 const plan::PathSource& source) {
+plan::path_file::Path drawn_path(const std::string& text, const plan::PathSource& source,
+                                 const plan::path_file::GcodeSetup& setup) {
   if (source.format == plan::PathFormat::csv) return source.path;
-  return plan::path_file::read_gcode(text, {}, unknowns_of(verb)).value_or(source.path);
+  return plan::path_file::read_gcode(text, {}, setup).value_or(source.path);
 }
 
 Result<void> write_rows(const verb::CheckPath& verb, const plan::Course& course,
@@ -70,8 +96,11 @@ std::string exported(const verb::CheckPath& verb, const boost::json::array& legs
 Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto text = path::text_of(verb.file, path::most_path_bytes);
   if (!text) return tl::unexpected(text.error());
+  const auto machine = machine_of(verb);
+  if (!machine) return tl::unexpected(machine.error());
+  const auto setup = setup_of(verb, *machine);
   const auto source =
-      plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance, unknowns_of(verb));
+      plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance, setup);
   if (!source) return tl::unexpected(failure_of(verb, source.error(), output));
   auto warnings = plan::warnings_of(*source);
   constexpr double unlimited = std::numeric_limits<double>::infinity();
@@ -81,7 +110,7 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   const auto shaping = shaping_of(verb.shaping);
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance, shaping);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
-  const auto course = tmcld::view_of(*planned, source->path.axes);
+  const auto course = view_of(*planned, *source, *machine);
   const auto shaped = tmcld::view_of(*planned, shaping, source->path.axes);
   if (shaped && shaped->off_path > verb.tolerance) warnings.push_back(corners_warning(verb));
   warn(warnings, output);
@@ -106,7 +135,7 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
     return tl::unexpected(usage_error("out_of_range", verb.file + ": " + beyond.front()));
   warn(beyond, output);
   if (!verb.csv.empty()) {
-    if (auto written = write_rows(verb, *planned, drawn_path(verb, *text, *source), output);
+    if (auto written = write_rows(verb, *planned, drawn_path(*text, *source, setup), output);
         !written)
       return tl::unexpected(written.error());
   }
@@ -152,8 +181,10 @@ Plans a path as 'tmclctl path run' would, for axes that can do what --velocity a
 and says how long it is and takes, where it goes, and where it is slowest. Lengths are in the units of
 the file; G-code's are mm (deg for A B C). Where X, Y or Z moves, the length is theirs, and A B C go
 along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems. What of G-code moves no
-axis, such as S, T and M3, is a warning, once for each; with --lenient words that are not known are, too:
-without them the path may be another one than the program means.
+axis, such as S, T and M6, is a warning, once for each; with --lenient words that are not known are, too:
+without them the path may be another one than the program means. M3 to M9 are warnings, too, unless the
+section [path] of tmcld's configuration says what they switch; --machine names that file, and what is
+switched is listed then. M0 waits: how often is said.
 
 --show draws the axes over time, on the screen or below the path in --svg, with T1 to T4 of each leg or,
 where there are more than four, with the slowest corners.
@@ -178,6 +209,7 @@ much is said. zv and zvd leave nothing at the resonance, zvd little near it; ei 
   tmclctl path check part.ngc --legs --microsteps-per-unit 10240 --as c
   tmclctl path check part.ngc --legs --microsteps-per-unit 10240 --as tmc
   tmclctl path check part.ngc --csv part.csv --step 0.01
+  tmclctl path check part.ngc --machine /etc/tmcld/tmcld.toml
   tmclctl path check part.ngc --shape zvd --resonance 12Hz --damping 0.05
   tmclctl --json path check part.ngc
 )";
@@ -191,6 +223,9 @@ Form add_path(Grammar& grammar) {
       group, "check", access::offline("it computes, and asks no module"),
       "How a path would be passed, without axes", path_check_help, run);
   add_path_file(check);
+  check.option("--machine", "FILE",
+               "A configuration of tmcld: what its [path] says of M words holds here, too",
+               text(check->machine));
   check.option("--feed", "UNITS", "No faster along the path, a second",
                number(check->feed, least_of_path, most_of_path));
   check.option("--velocity", "UNITS", "What an axis can do, a second (default 100)",

@@ -20,7 +20,11 @@ std::string in_percent(double part) { return plain_number(100 * part, 3) + " %";
 /// "left, front: override 50 %, 83 % now"
 std::string feed_text(const api::path::RunningPath& path) {
   auto text = fmt::format("{}: ", joined(path.axes));
-  if (path.held) text += "held on the path; ";
+  if (path.waits_at_line) {
+    text += fmt::format("waiting at M0, line {}; ", *path.waits_at_line);
+  } else if (path.held) {
+    text += "held on the path; ";
+  }
   return text +
          fmt::format("override {}, {} now", in_percent(path.factor), in_percent(path.factor_now));
 }
@@ -48,6 +52,9 @@ void print(const api::path::RunningPath& path, std::ostream& out) {
   out << fmt::format("  done      {:.0f} %: {:.1f} of {:.1f} s, {}\n", 100 * path.done,
                      path.passed_s, path.duration_s, left);
   if (path.line) out << fmt::format("  line      {} of the file\n", *path.line);
+  if (path.waits_at_line)
+    out << fmt::format("  waiting at M0, line {}: 'tmclctl path resume' lets it go on\n",
+                       *path.waits_at_line);
   out << fmt::format("  override  {}{}, {} now\n", in_percent(path.factor),
                      path.held ? ", and held" : "", in_percent(path.factor_now));
   out << fmt::format("  feed      {} a second, planned {}\n",

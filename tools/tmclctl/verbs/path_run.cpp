@@ -266,7 +266,8 @@ and --feed are in the units of the file, or have a unit with them: 20mm/s, 500mm
 --shape lets loads that swing hardly swing after the path ('tmclctl path check --help' says how); --dry-run
 says what that costs. Not in position mode.
 Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it
-is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
+is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on. At M0 of G-code a
+path waits until 'tmclctl path resume' lets it go on, or Ctrl-Z twice.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
 nothing else could: if this program is killed, each axis stops at the end of its leg, in the
 other modes where the path would next turn it round; those of a TMC4361 or of firmware ramps turn on.

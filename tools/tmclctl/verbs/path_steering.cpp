@@ -7,6 +7,7 @@ namespace {
 
 constexpr const char* path_steering_help = R"(
 For paths that tmcld passes, by this client or another. A path in position mode pauses where it stands itself.
+'resume' also lets a path go on that waits at M0 of its G-code.
 
   tmclctl path pause left
   tmclctl path resume

@@ -183,6 +183,14 @@ struct Corner {
   TMCL_FIELD(double, speed, "along the path");
   TMCL_FIELD(std::vector<double>, position, "of each axis");
 };
+/// An M word of G-code.
+struct CarriedOut {
+  TMCL_STRUCT(CarriedOut);
+  TMCL_FIELD(std::uint8_t, number, "of the word: 3, 4, 5, 7, 8 or 9");
+  TMCL_FIELD(std::uint64_t, times, "how often it is carried out");
+  TMCL_FIELD(std::uint64_t, line, "of the file, for the first time");
+  TMCL_FIELD(std::string, switches, "what it switches, as the configuration says it");
+};
 /// In the units of the file.
 struct Course {
   TMCL_STRUCT(Course);
@@ -191,6 +199,8 @@ struct Course {
   TMCL_FIELD(std::uint64_t, legs, "how many it has");
   TMCL_FIELD(std::vector<CourseAxis>, axes, "of the file");
   TMCL_FIELD(std::vector<Corner>, slowest_corners, "where it gets slowest; five at most");
+  TMCL_FIELD(std::vector<CarriedOut>, words, "which M words are carried out on it");
+  TMCL_FIELD(std::uint64_t, waits, "how often it waits at M0 until path.resume");
 };
 struct ShapedAxis {
   TMCL_STRUCT(ShapedAxis);
@@ -257,7 +267,7 @@ struct Pause : OnPaths {
   TMCL_METHOD("path.pause", writes, PathAxes, "lets axes stand on their path", Pause, OnPaths);
 };
 struct Resume : OnPaths {
-  TMCL_METHOD("path.resume", moves, PathAxes, "lets them go on", Resume, OnPaths);
+  TMCL_METHOD("path.resume", moves, PathAxes, "lets them go on, also from M0", Resume, OnPaths);
 };
 /// Of a path that is passed. Speeds are along it, in the unit of its file a second.
 struct RunningPath {
@@ -265,7 +275,7 @@ struct RunningPath {
   TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
   TMCL_FIELD(std::optional<std::string>, name, "what path.run calls it");
   TMCL_FIELD(std::string, mode, "velocity, segments or position");
-  TMCL_FIELD(std::string, phase, "approaching, measuring, running, pausing or ending");
+  TMCL_FIELD(std::string, phase, "approaching, measuring, running, pausing, waiting or ending");
   TMCL_FIELD(double, passed_s, "how much of its course has been passed, in seconds of that");
   TMCL_FIELD(double, duration_s, "how long the course takes as it was planned");
   TMCL_FIELD(double, done, "what part of it has been passed; 0 to 1");
@@ -285,6 +295,8 @@ struct RunningPath {
   TMCL_FIELD(double, off_path, "how far from the path the axes were seen so far");
   TMCL_FIELD(double, off_path_at_s, "when that was, in seconds of the course");
   TMCL_FIELD(double, lag_s, "how late on the path they were seen so far");
+  TMCL_FIELD(std::optional<std::uint64_t>, waits_at_line,
+             "of the file, of the M0 at which it waits until path.resume; null if it does not");
 };
 struct RunningPaths {
   TMCL_STRUCT(RunningPaths);

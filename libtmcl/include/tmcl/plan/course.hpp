@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -67,6 +68,14 @@ struct CourseRest {
   double end = 0;
 };
 
+/// Where the time of a course stands until something has been done.
+struct CourseHalt {
+  double time = 0;
+  std::size_t line = 0;   ///< Of the file.
+  std::uint8_t word = 0;  ///< The number of the M word: see path_file::Dwell.
+  bool waits() const { return word == 0; }
+};
+
 class Course {
  public:
   /// `path` has no arcs. No line is passed faster than `feed`, by the axes that make its length.
@@ -110,6 +119,8 @@ class Course {
   double speed_at(double t) const;
   /// The first dwell that has not ended by then.
   std::optional<CourseRest> rest_after(double t) const;
+  /// In the order in which they come; several may be at one time. The course is at rest there.
+  std::span<const CourseHalt> halts() const { return halts_; }
   /// How long it dwells from then on, all in all.
   double resting_after(double t) const;
   /// The slowest corners between two legs, at most so many, ascending by speed.
@@ -161,6 +172,7 @@ class Course {
   std::array<std::vector<Turn>, most_path_axes> turns_;
   std::vector<Piece> pieces_;
   std::vector<LegPlace> legs_;
+  std::vector<CourseHalt> halts_;
   std::vector<Impulse> impulses_;
 };
 

@@ -42,9 +42,10 @@ struct DriveCommand {
     stop,            ///< MST.
     set_coordinate,  ///< SCO of a coordinate that the runner chooses.
     move_motors,     ///< MVP COORD to that one, of the motors of the axis' module in `value`.
+    carry_out,       ///< The M word of this number, or nothing if none is there for it.
   };
   Kind kind = Kind::get;
-  std::size_t axis = 0;
+  std::size_t axis = 0;        ///< Of carry_out their number: it is for none of them.
   std::uint8_t parameter = 0;  ///< Of get and set.
   std::int32_t value = 0;      ///< Of all but get and stop.
   /// May be given more than once, and late: a link that is lost for a moment may be waited for.
@@ -95,10 +96,17 @@ struct Unrestored {
   Error why;
 };
 
+/// An M word that was to switch something off when the drive ended early.
+struct Unswitched {
+  std::uint8_t word = 0;
+  Error why;
+};
+
 struct DriveReport {
   std::optional<DriveFault> fault;
   std::vector<Unstopped> unstopped;
   std::vector<Unrestored> unrestored;
+  std::vector<Unswitched> unswitched{};
 };
 
 /// So long an axis may be seen standing short of its end before it counts as stopped.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -56,6 +57,9 @@ struct ArcTo {
 struct Dwell {
   double duration = 0;  ///< In seconds.
   std::size_t line = 0;
+  /// The M word that is carried out when the axes stand, by its number: 3 to 9 switch something, 0
+  /// waits until it is told to go on. The dwell has no duration then.
+  std::optional<std::uint8_t> word{};
 
   bool operator==(const Dwell&) const = default;
 };
@@ -91,6 +95,14 @@ constexpr std::string_view gcode_axes = "XYZABC";
 /// What becomes of words that are not known: problems, or remarks.
 enum class Unknowns : std::uint8_t { refused, skipped };
 
+/// What a program of G-code is read for.
+struct GcodeSetup {
+  Unknowns unknowns = Unknowns::refused;
+  /// The words of M3, M4, M5, M7, M8 and M9 that are carried out, by their numbers; others are
+  /// remarks.
+  std::bitset<10> words{};
+};
+
 /// What CAM programs write, as LinuxCNC has it:
 /// - G0, G1, G2, G3 (with I J K or R, and P turns) in the planes G17, G18, G19; G4 P; G80;
 /// - G20, G21; G90, G91 for positions, G90.1, G91.1 for centres; F with G93, G94, G95;
@@ -99,7 +111,11 @@ enum class Unknowns : std::uint8_t { refused, skipped };
 ///   until G28.1 or G30.1 stores another; without axes all that the program moves go there;
 /// - G61, G61.1: axes stand between movements, unless a line goes straight on after G61; G64;
 /// - G40, G43 H0, G49, which change nothing here;
-/// - M0 and M1, where the axes stand and go on; M2 and M30, behind which nothing is read;
+/// - M0, where the axes stand and wait until they are told to go on; M1, where they stand and go
+///   on; M2 and M30, behind which nothing is read;
+/// - M3, M4, M5, M7, M8 and M9, if the setup says that they are carried out: the axes stand then,
+///   before the movement of their line. What M3, M4, M7 or M8 has switched on, M5 or M9 switches
+///   off at the end;
 /// - N, O with a number, lines of %, of which the second ends the program, comments in ( ) or
 ///   behind a semicolon.
 /// Axes are X Y Z A B C. Lengths become mm, X Y Z from inches after G20; A B C are degrees. F is in
@@ -110,7 +126,8 @@ enum class Unknowns : std::uint8_t { refused, skipped };
 /// differently far from its centre as LinuxCNC lets them: 0.0283 mm or 0.00283 inch, or 0.1 % up to
 /// a hundred times that.
 ///
-/// Remarks: S, T, M3 to M9, P of G64, M0, M1, and a coordinate system that was not set.
+/// Remarks: S, T, M6, those of M3 to M9 that are not carried out, P of G64, M1, and a coordinate
+/// system that was not set.
 ///
 /// The axes are those that the program moves, in the order X Y Z A B C, both of a plane if there is
 /// an arc in it. `start` is in the order X Y Z A B C, whatever the program moves.
@@ -119,12 +136,12 @@ enum class Unknowns : std::uint8_t { refused, skipped };
 /// letter or code. Behind a line that cannot be followed, no movement is looked at: what is wrong
 /// with it may follow from that line.
 ///
-/// `Unknowns::skipped`: words that are not known become remarks. With a G code that is not known
-/// the axes of its line are skipped, unless a known movement stands there, and with one for
+/// With Unknowns::skipped, words that are not known become remarks. With a G code that is not
+/// known the axes of its line are skipped, unless a known movement stands there, and with one for
 /// movements those of the lines behind it, up to the next that is known. Expressions and what is no
 /// word stay problems.
 tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start = {},
-                                            Unknowns unknowns = Unknowns::refused);
+                                            const GcodeSetup& setup = {});
 
 /// With lines for the arcs, nowhere farther from them than this. A sentence if that takes more than
 /// most_chords_of_an_arc or most_elements, or if the tolerance is none.

@@ -68,7 +68,7 @@ struct PathSource {
 };
 /// G-code as if all axes stood at zero.
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance,
-                                 path_file::Unknowns unknowns = path_file::Unknowns::refused);
+                                 const path_file::GcodeSetup& setup = {});
 /// What of the text is not carried out; a sentence for each, without a full stop.
 std::vector<std::string> warnings_of(const PathSource& source);
 
@@ -82,7 +82,7 @@ struct PathRequest {
   std::optional<double> per_turn{};   ///< What a turn of the motor is, for axes without a unit.
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
-  path_file::Unknowns unknowns = path_file::Unknowns::refused;
+  path_file::GcodeSetup setup{};
   std::optional<Shaping> shaping{};
 };
 StreamOptions options_of(const PathRequest& request);

@@ -22,6 +22,9 @@
 /// that goes on there is sent beyond it, by its way to rest: if the next leg is late, it brakes by
 /// its ramp. Targets are written as parameter 0, which does not start a motor that was stopped.
 ///
+/// At a halt of the course the axes stand; then its word is carried out, or the stream waits. If it
+/// ends early, M5 and M9 are carried out beside the stops, for what may have been switched on.
+///
 /// Before an axis is told anything new, it is asked what it does (parameter 2, or its ramp mode).
 /// If that is not what it was sent, another client stopped or turned it, and all axes are stopped.
 /// That is the case, too, when a command fails, when updates come too late, and when a reading is
@@ -84,6 +87,8 @@ struct StreamOptions {
   /// Of the places where the axes are seen so many are kept. Of more, every second is left out,
   /// over the whole course.
   std::size_t most_seen = 0;
+  /// Whether it waits at halts that say so until pause(false); it goes on by itself otherwise.
+  bool waits = true;
 };
 
 struct AxisTracking {
@@ -124,14 +129,14 @@ constexpr bool takes_feed(StreamMode mode) { return mode != StreamMode::position
 struct StreamFeed {
   double asked = 1;   ///< Parts of the planned speed.
   double now = 0;     ///< What there is of it: less where a limit of an axis does not allow more.
-  bool held = false;  ///< A pause was asked for.
+  bool held = false;  ///< A pause was asked for, or it waits at a halt.
 };
 
 class StreamRunner;
 
 class PathStream final : public Drive {
  public:
-  enum class Phase : std::uint8_t { approaching, before, running, pausing, after, ended };
+  enum class Phase : std::uint8_t { approaching, before, running, pausing, waiting, after, ended };
 
   /// `course` must outlive it; one StreamAxis for each of its axes.
   PathStream(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
@@ -140,7 +145,7 @@ class PathStream final : public Drive {
   PathStream& operator=(PathStream&&) noexcept;
 
   /// The course is left at no point: time on it goes slower until it stands. In position mode it
-  /// stands where the course itself does next.
+  /// stands where the course itself does next. `on` false: what waits at a halt goes on, too.
   void pause(bool on);
 
   /// From now on this part of the planned speed, least_feed..most_feed; takes_feed() says in which
@@ -149,6 +154,8 @@ class PathStream final : public Drive {
   StreamFeed feed() const;
 
   Phase phase() const;
+  /// The halt of the course at which it waits; null if it does not.
+  const CourseHalt* waits_at() const;
   /// How much of the course has been passed, in its seconds.
   double passed() const;
   const StreamReport& report() const;

@@ -35,18 +35,17 @@ double CourseClock::passed_after(double time, double& rate) const {
   if (ramp_s_ == 0) rate = goal();
   while (time > 0) {
     const auto rest = course_->rest_after(passed);
-    const bool rests = rest && rest->begin <= passed;
+    const bool halts = is_at_halt(passed);
+    const bool rests = halts || (rest && rest->begin <= passed);
     if (rests) rate = std::min(goal(), 1.0);
-    if (rate == 0 && goal() == 0) return passed;
+    if (halts || (rate == 0 && goal() == 0)) return passed;
     const bool steady = rests || (rate == goal() && rate <= 1);
     const double step = steady ? time : std::min(time, step_of_change_s);
     const double next = steady ? rate : changed(passed, rate, step);
     const double way = rests ? step : (rate + next) / 2 * step;
-    const bool ends_rest = rests && passed + way >= rest->end;
-    const bool begins_rest = rest && !rests && passed + way >= rest->begin;
-    if (ends_rest || begins_rest) {
+    const double bound = bound_after(rest, rests);
+    if (passed + way >= bound) {
       // What comes next is looked at anew.
-      const double bound = rests ? rest->end : rest->begin;
       time -= step * (bound - passed) / way;
       passed = bound;
     } else {
@@ -56,6 +55,13 @@ double CourseClock::passed_after(double time, double& rate) const {
     rate = next;
   }
   return passed;
+}
+
+// How far the course goes on as it does now.
+double CourseClock::bound_after(const std::optional<CourseRest>& rest, bool rests) const {
+  double bound = std::numeric_limits<double>::infinity();
+  if (rest) bound = rests ? rest->end : rest->begin;
+  return halts_left_.empty() ? bound : std::min(bound, halts_left_.front().time);
 }
 
 // After so much more time, in which a ramp of the course may begin: it has the rate for it before.

@@ -55,7 +55,8 @@ PathState at_rate(double rate, PathState state) {
 }
 
 SegmentSpan CourseSegments::from(TimePoint begin) {
-  return clock_.is_steady() ? of_course(begin) : of_change(begin);
+  const bool goes_on = clock_.is_steady() && !clock_.is_at_halt_at(begin);
+  return goes_on ? of_course(begin) : of_change(begin);
 }
 
 SegmentSpan CourseSegments::of_course(TimePoint begin) {
@@ -72,6 +73,8 @@ SegmentSpan CourseSegments::of_course(TimePoint begin) {
     const double next = bends_.not_before(passed + period);
     span.course_end = next < passed + 2 * period ? next : passed + period;
   }
+  if (const auto* halt = clock_.next_halt())
+    span.course_end = std::min(span.course_end, halt->time);
   span.end = begin + duration(clock_.time_between(passed, span.course_end));
   span.at_end = at_rate(rate, course_.at(span.course_end - instant));
   span.at_end.position = course_.at(span.course_end).position;

@@ -152,21 +152,36 @@ Script<DriveRunner::Fault> DriveRunner::set(std::size_t axis, Setting setting) {
 Script<DriveRunner::Fault> DriveRunner::stop_all(DriveReport& report, int attempts) {
   stopping_ = true;
   heeds_stop_ = false;
-  std::vector<DriveCommands> stops;
+  std::vector<DriveCommands> lanes;
   for (std::size_t axis = 0; axis < axes(); ++axis)
-    stops.push_back({{Kind::stop, axis, 0, 0, true}});
-  for (; attempts > 0 && !stops.empty(); --attempts) {
-    co_await side_by_side(std::move(stops), false);
-    stops.clear();
-    report.unstopped.clear();
-    std::ranges::sort(done_, {}, [](const Exchange& done) { return done.command.axis; });
-    for (auto& [stop, asked, ended, answer] : done_) {
-      if (answer) continue;
-      stops.push_back({stop});
-      report.unstopped.push_back({stop.axis, std::move(answer.error())});
-    }
+    lanes.push_back({{Kind::stop, axis, 0, 0, true}});
+  DriveCommands words;
+  for (const auto word : take_words_at_stop())
+    words.push_back({Kind::carry_out, axes(), 0, word, true});
+  if (!words.empty()) lanes.push_back(std::move(words));
+  for (; attempts > 0 && !lanes.empty(); --attempts) {
+    co_await side_by_side(std::move(lanes), false);
+    lanes.clear();
+    note_stops(report);
+    for (const auto& unstopped : report.unstopped)
+      lanes.push_back({{Kind::stop, unstopped.axis, 0, 0, true}});
   }
   co_return std::nullopt;
+}
+
+// What was to be switched is not tried again: it may have been switched.
+void DriveRunner::note_stops(DriveReport& report) {
+  report.unstopped.clear();
+  std::ranges::sort(done_, {}, [](const Exchange& done) { return done.command.axis; });
+  for (auto& [given, asked, ended, answer] : done_) {
+    if (answer) continue;
+    if (given.kind == Kind::carry_out) {
+      report.unswitched.push_back(
+          {static_cast<std::uint8_t>(given.value), std::move(answer.error())});
+    } else {
+      report.unstopped.push_back({given.axis, std::move(answer.error())});
+    }
+  }
 }
 
 Script<DriveRunner::Fault> DriveRunner::stop_and_rest(DriveReport& report) {

@@ -39,7 +39,7 @@ class KeptSettings {
 
 class DriveRunner {
  public:
-  explicit DriveRunner(std::size_t axes) : settings_(axes), under_way_(axes) {}
+  explicit DriveRunner(std::size_t axes) : settings_(axes), under_way_(axes + 1) {}
   virtual ~DriveRunner() = default;
 
   DriveStep next(TimePoint now);
@@ -81,7 +81,7 @@ class DriveRunner {
   virtual Script<Fault> whole() = 0;
   virtual void on_answered(Duration /*took*/) {}
 
-  std::size_t axes() const { return under_way_.size(); }
+  std::size_t axes() const { return settings_.size(); }
   /// What is seen of axes after the reason to stop them is none of its own: see refusal(), too.
   Fault fault(DriveFault::Kind kind, std::optional<std::size_t> axis, std::string message) const;
   Fault refusal(std::size_t axis, const Error& error) const;
@@ -95,6 +95,8 @@ class DriveRunner {
   /// Writes it, unless it is so already; it is known then as it was.
   Script<Fault> set(std::size_t axis, Setting setting);
   virtual void on_written(std::size_t /*axis*/, Setting /*setting*/) {}
+  /// The M words that are to be carried out beside the stops; none when asked again.
+  virtual std::vector<std::uint8_t> take_words_at_stop() { return {}; }
   /// What cannot be stopped is tried again, so many times in all.
   Script<Fault> stop_all(DriveReport& report, int attempts);
   /// All of them; those that can be stopped are waited for. Gives the first that does not come to
@@ -132,6 +134,7 @@ class DriveRunner {
  private:
   void proceed(const std::optional<Step>& step);
   void send_next(std::size_t lane);
+  void note_stops(DriveReport& report);
   Fault short_of(const Goal& goal, Microsteps position) const;
   bool has_other_reason() const { return stop_asked_ && !stopping_; }
 
@@ -142,7 +145,7 @@ class DriveRunner {
     Exchange exchange;
     std::size_t lane;
   };
-  std::vector<std::optional<UnderWay>> under_way_;
+  std::vector<std::optional<UnderWay>> under_way_;  // of the axes, and of none of them
   std::size_t awaited_ = 0;
   bool all_or_none_ = false;
   TimePoint until_{};

@@ -38,6 +38,8 @@ class GuidedRunner : public StreamRunner {
   /// `next_update`: of the course.
   Script<Fault> tell_velocity(std::size_t axis, std::int32_t velocity, double next_update);
   bool turn_is_due(std::size_t axis, std::int32_t velocity, double next_update) const;
+  /// The course is at a halt, and no axis has been told to move.
+  bool stands_at_halt() const;
   double expected(std::size_t axis, TimePoint at) const;
   void correct(std::size_t axis);
   /// In microsteps per second squared.

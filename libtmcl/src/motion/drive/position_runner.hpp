@@ -50,6 +50,7 @@ class PositionRunner final : public StreamRunner {
   std::string too_short(std::size_t index) const;
   Script<Fault> start_ramps();
   Script<Fault> pause_between(const CourseLeg& next);
+  Script<Fault> pass_halts(double until_time);
   Script<Fault> watch_until(TimePoint due);
   Script<Fault> begin_from_rest(const Passage& passage);
   Script<Fault> begin_on_the_way(const Passage& passage);

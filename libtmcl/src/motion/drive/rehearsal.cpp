@@ -45,6 +45,7 @@ class Understudy {
       case Kind::stop: turn(0); break;
       case Kind::set_coordinate:
       case Kind::move_motors: break;  // of lines
+      case Kind::carry_out: break;    // of no axis
     }
     return 0;
   }
@@ -124,7 +125,9 @@ class Rehearsing {
       stream_axes_.push_back(axis.axis);
       understudies_.emplace_back(std::move(axis), start[number]);
     }
-    stream_.emplace(course_, stream_axes_, options);
+    auto on_its_own = options;
+    on_its_own.waits = false;
+    stream_.emplace(course_, stream_axes_, on_its_own);
   }
 
   Rehearsal run() {
@@ -146,7 +149,9 @@ class Rehearsing {
   std::size_t carry_out(const DriveCommands& given) {
     for (const auto& command : given) {
       let_pass(command_ / 2);
-      auto answer = understudies_[command.axis].carry_out(command);
+      Result<std::int32_t> answer = 0;
+      if (command.axis < understudies_.size())
+        answer = understudies_[command.axis].carry_out(command);
       let_pass(command_ - command_ / 2);
       stream_->answered(now_, command.axis, std::move(answer));
     }

@@ -27,6 +27,7 @@ class SegmentRunner final : public GuidedRunner {
   Script<Fault> bring_back(std::size_t axis, const SegmentSpan& span);
   Script<Fault> end_corrections(const SegmentSpan& span);
   Script<Fault> tell_rest(std::size_t axis, const SegmentSpan& span);
+  static bool may_stand(const SegmentTask& task, const SegmentSpan& span);
   SegmentTask task_of(std::size_t axis, const SegmentSpan& span) const;
   double speed_for(std::size_t axis, const SegmentTask& task, const Segment& wanted) const;
   double slope_now(std::size_t axis, double speed) const;

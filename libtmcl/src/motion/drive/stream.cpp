@@ -43,6 +43,14 @@ namespace ap = axis_parameter;
 
 constexpr int measuring_rounds = 4;
 constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
+constexpr Duration longest_way_to_halt = std::chrono::seconds(2);
+
+/// Which M word switches off what this one switches on.
+std::optional<std::uint8_t> off_word_for(std::uint8_t word) {
+  if (word == 3 || word == 4) return 5;
+  if (word == 7 || word == 8) return 9;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -132,6 +140,56 @@ StreamScript StreamRunner::whole() {
   phase_ = Phase::ended;
   co_return result;
 }
+
+// ---- halts ----
+
+StreamScript StreamRunner::pass_halt(Duration lead) {
+  const auto halt = *clock_.halt();
+  if (!waits_) {
+    auto wrong = co_await come_to_halt();
+    if (wrong) co_return wrong;
+    waits_ = halt.waits() && options_.waits;
+  }
+  if (waits_ && !may_go_on_) co_return asked_to_stop();
+  waits_ = may_go_on_ = false;
+  Fault wrong;
+  if (!halt.waits()) wrong = co_await carry_out(halt);
+  if (!wrong) wrong = asked_to_stop();
+  clock_.leave_halt(now_ + lead);
+  co_return wrong;
+}
+
+StreamScript StreamRunner::come_to_halt() {
+  const auto limit = now_ + longest_way_to_halt;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    auto wrong = co_await come_to_rest(axis, limit);
+    if (!wrong) wrong = asked_to_stop();
+    if (wrong) co_return wrong;
+  }
+  co_return std::nullopt;
+}
+
+StreamScript StreamRunner::carry_out(const CourseHalt& halt) {
+  const auto off = off_word_for(halt.word);
+  if (off && std::ranges::find(off_words_, *off) == off_words_.end()) off_words_.push_back(*off);
+  co_await command({Kind::carry_out, axes_.size(), 0, halt.word});
+  if (!answer_) co_return not_carried_out(halt, answer_.error());
+  std::erase(off_words_, halt.word);
+  co_return std::nullopt;
+}
+
+DriveRunner::Fault StreamRunner::not_carried_out(const CourseHalt& halt, const Error& error) const {
+  if (auto asked = asked_to_stop()) return asked;
+  auto message =
+      fmt::format("line {}: M{} was not carried out: {}", halt.line, halt.word, error.message);
+  return DriveFault{DriveFault::Kind::refused, {}, std::move(message), error, {}};
+}
+
+std::vector<std::uint8_t> StreamRunner::take_words_at_stop() {
+  return std::exchange(off_words_, {});
+}
+
+// ---- the end ----
 
 StreamScript StreamRunner::arrive_at_end() {
   const auto end = course_.at(course_.duration()).position;
@@ -270,6 +328,7 @@ void PathStream::set_feed(double factor) { runner().set_feed(factor); }
 StreamFeed PathStream::feed() const { return runner().feed(); }
 PathStream::Phase PathStream::phase() const { return runner().phase(); }
 double PathStream::passed() const { return runner().passed(); }
+const CourseHalt* PathStream::waits_at() const { return runner().waits_at(); }
 const StreamReport& PathStream::report() const { return runner().report(); }
 
 }  // namespace tmcl::plan

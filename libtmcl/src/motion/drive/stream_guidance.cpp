@@ -171,6 +171,11 @@ bool GuidedRunner::turn(std::size_t axis, std::int32_t velocity, double next_upd
   return guided_[axis].stretch != before;
 }
 
+bool GuidedRunner::stands_at_halt() const {
+  const auto moves = [](const Guided& axis) { return axis.velocity.value_or(0) != 0; };
+  return clock_.halt() != nullptr && std::ranges::none_of(guided_, moves);
+}
+
 int GuidedRunner::heading(std::size_t axis) const {
   const auto stretch = guided_[axis].stretch;
   const auto turns = course_.turns(axis);

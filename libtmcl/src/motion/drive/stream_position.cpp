@@ -164,7 +164,8 @@ StreamScript PositionRunner::pass_course() {
     if (wrong) co_return wrong;
     correct_twin(read);
   }
-  wrong = co_await watch_until(time_of(course_.duration()));
+  wrong = co_await pass_halts(course_.duration());
+  if (!wrong) wrong = co_await watch_until(time_of(course_.duration()));
   clock_.advance(now_);
   if (!wrong) wrong = asked_to_stop();
   co_return wrong;
@@ -174,6 +175,7 @@ StreamScript PositionRunner::pass_course() {
 // is when the course goes on.
 StreamScript PositionRunner::begin_from_rest(const Passage& passage) {
   auto wrong = co_await see_standing(passage);
+  if (!wrong) wrong = co_await pass_halts(passage.leg.begin);
   if (!wrong) wrong = co_await pause_between(passage.leg);
   if (wrong) co_return wrong;
   const auto due = time_of(passage.leg.begin);
@@ -302,6 +304,22 @@ StreamScript PositionRunner::pause_between(const CourseLeg& next) {
   clock_.pause(true);
   while (pause_asked_ && !stop_asked_) co_await until(now_ + look_interval);
   co_return asked_to_stop();
+}
+
+// Before the course goes on then; what comes before them has been passed, but for dwells.
+StreamScript PositionRunner::pass_halts(double until_time) {
+  while (clock_.next_halt() != nullptr && clock_.next_halt()->time <= until_time) {
+    auto wrong = co_await watch_until(time_of(clock_.next_halt()->time));
+    clock_.advance(now_);
+    const auto* halt = clock_.halt();
+    while (!wrong && halt != nullptr && clock_.halt() == halt) {
+      wrong = co_await pass_halt({});
+      if (waits_ && !wrong) co_await until(now_ + look_interval);
+      if (waits_ && !wrong) wrong = asked_to_stop();
+    }
+    if (wrong) co_return wrong;
+  }
+  co_return std::nullopt;
 }
 
 // Even legs are passed evenly, whatever the course does between their ends.

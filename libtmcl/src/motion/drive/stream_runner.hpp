@@ -43,6 +43,7 @@ class StreamRunner : public DriveRunner {
     on_pause(on);
     if (phase_ == Phase::running && on) phase_ = Phase::pausing;
     if (phase_ == Phase::pausing && !on) phase_ = Phase::running;
+    if (waits_ && !on) may_go_on_ = true;
   }
   void set_feed(double factor) {
     asked_feed_ = factor;
@@ -50,9 +51,11 @@ class StreamRunner : public DriveRunner {
   }
   StreamFeed feed() const {
     const bool runs = phase_ == Phase::running || phase_ == Phase::pausing;
-    return {asked_feed_, runs ? clock_.rate() : 0, is_held()};
+    const bool stands = waits_ || clock_.halt() != nullptr;
+    return {asked_feed_, runs && !stands ? clock_.rate() : 0, is_held() || waits_};
   }
-  Phase phase() const { return phase_; }
+  Phase phase() const { return waits_ && phase_ == Phase::running ? Phase::waiting : phase_; }
+  const CourseHalt* waits_at() const { return waits_ ? clock_.next_halt() : nullptr; }
   double passed() const { return std::min(clock_.passed(), course_.duration()); }
   const StreamReport& report() const { return report_; }
 
@@ -70,6 +73,9 @@ class StreamRunner : public DriveRunner {
     return course_.at(clock_.passed()).position[axis];
   }
 
+  /// The course is at a halt, and no axis has been told to move: does what is to be done there, and
+  /// lets the course go on after `lead`. Leaves it there while it waits.
+  Script<Fault> pass_halt(Duration lead);
   std::int32_t microsteps(std::size_t axis, double position) const;
   Script<Fault> check(std::size_t axis);
   Script<Fault> read_position(std::size_t axis);
@@ -83,6 +89,7 @@ class StreamRunner : public DriveRunner {
   StreamReport report_;
   CourseClock clock_;
   double asked_feed_ = 1;    ///< Part of the planned speed.
+  bool waits_ = false;       ///< At the halt of its clock, until it may go on.
   std::size_t watched_ = 0;  ///< The axis that is looked at next.
 
  private:
@@ -95,11 +102,18 @@ class StreamRunner : public DriveRunner {
   Fault take_reading(std::size_t axis);
   void note_place_on_path();
   void keep(const AxisValues& place);
+  Script<Fault> come_to_halt();
+  Script<Fault> carry_out(const CourseHalt& halt);
+  Fault not_carried_out(const CourseHalt& halt, const Error& error) const;
+  std::vector<std::uint8_t> take_words_at_stop() override;
 
   AxisValues off_plan_{};  // of each axis, as it was read last
   std::size_t readings_for_each_kept_ = 1;
   std::size_t readings_since_kept_ = 0;
   Phase phase_ = Phase::before;
+  bool may_go_on_ = false;
+  // What may have been switched on, by the word that switches it off.
+  std::vector<std::uint8_t> off_words_;
 };
 
 using StreamAxes = std::vector<StreamAxis>;

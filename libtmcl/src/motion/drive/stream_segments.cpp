@@ -63,11 +63,18 @@ StreamScript SegmentRunner::pass_course() {
     wrong = co_await pass_segment(span);
     if (wrong) co_return wrong;
     ++report_.updates;
-    if (clock_.passed() >= course_.duration()) break;
+    const bool stands = stands_at_halt();
+    if (stands) wrong = co_await pass_halt(lead);
+    if (wrong) co_return wrong;
+    if (clock_.is_over()) break;
+    if (stands) {
+      span = segments_->from(now_ + lead);
+      continue;
+    }
     const bool is_last = span.steady && span.course_end >= course_.duration();
     wrong = co_await watch_segment(span, is_last ? span.end + at_the_end : span.end - lead);
     if (wrong) co_return wrong;
-    if (clock_.passed() >= course_.duration()) break;
+    if (clock_.is_over()) break;
     const bool on_time = span.goes_with(clock_);
     const auto planned = on_time ? span.end : now_ + lead;
     wrong = note_delay(now_ + lead - planned, report_.period);
@@ -100,11 +107,24 @@ TimePoint SegmentRunner::told_at(std::size_t axis, const SegmentSpan& span) cons
   return std::max(planned, now_ + report_.round_trip / 2);
 }
 
+// Where the course stands, a motor would go to and fro for one microstep.
+bool SegmentRunner::may_stand(const SegmentTask& task, const SegmentSpan& span) {
+  constexpr double nearly_there = 2;
+  return !span.steady && task.end_speed == 0 && std::abs(task.way) < nearly_there &&
+         std::abs(task.speed) * task.shortest_ramp_s < nearly_there;
+}
+
 // An acceleration that is steeper than needed is kept if the axis is off the course by little for
 // it: that saves a command.
 StreamScript SegmentRunner::tell_segment(std::size_t axis, const SegmentSpan& span) {
   auto& here = guided_[axis];
   const auto task = task_of(axis, span);
+  if (may_stand(task, span)) {
+    Fault wrong;
+    if (here.velocity.value_or(0) != 0)
+      wrong = co_await tell_velocity(axis, 0, span.course_end - instant);
+    co_return wrong;
+  }
   const auto wanted = segment_for(task);
   const double change = std::abs(wanted.speed - task.speed);
   const double unit = axes_[axis].units.velocity.value;

@@ -107,7 +107,12 @@ StreamScript VelocityRunner::pass_course() {
     if (off) co_return off;
     correct(read);
     clock_.advance(now_);
-    if (clock_.passed() >= course_.duration()) co_return std::nullopt;
+    if (stands_at_halt()) {
+      wrong = co_await pass_halt({});
+      if (wrong) co_return wrong;
+      std::ranges::fill(due_, now_);
+    }
+    if (clock_.is_over()) co_return std::nullopt;
     co_await until(begin + report_.period);
   }
 }

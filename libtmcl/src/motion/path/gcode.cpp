@@ -28,6 +28,8 @@ constexpr std::string_view axis_letters = gcode_axes;
 constexpr std::string_view centre_letters = "IJK";
 constexpr std::string_view ways_of_arcs = "IJKR";
 constexpr std::size_t linear_axes = 3;
+constexpr std::uint8_t spindle_off = 5;
+constexpr std::uint8_t coolant_off = 9;
 
 /// Whether a line from `at` goes on as one from `before` to it did.
 bool goes_straight_on(const Point& before, const Point& at, const Point& target) {
@@ -47,8 +49,8 @@ bool goes_straight_on(const Point& before, const Point& at, const Point& target)
 
 class Interpreter {
  public:
-  Interpreter(const Point& start, Unknowns unknowns, ProblemList& problems)
-      : problems_(problems), unknowns_(unknowns), at_(start) {
+  Interpreter(const Point& start, const GcodeSetup& setup, ProblemList& problems)
+      : problems_(problems), setup_(setup), at_(start) {
     path_.start = start;
   }
 
@@ -67,8 +69,9 @@ class Interpreter {
     complain(feeds_.take(block.find('F'), unit_));
     // Of a line that is not understood it is not said what its movement lacks.
     if (!confused_) complain(carry_out(block, codes));
-    if (stands_) add(Dwell{0, line_});
+    if (stands_) add(Dwell{0, line_, stop_});
     stands_ = false;
+    stop_.reset();
     if (path_.elements.size() > most_elements) {
       problems_.add(line_, 1,
                     fmt::format("the path is too long; {} elements at most", most_elements));
@@ -78,6 +81,7 @@ class Interpreter {
   }
 
   Path finish() {
+    switch_off();
     keep_only_used_axes();
     path_.remarks = remarks_.take();
     return std::move(path_);
@@ -87,7 +91,7 @@ class Interpreter {
   // ---- what is told ----
 
   void complain(const Wrong& wrong) {
-    const bool skipped = wrong.may_be_skipped && unknowns_ == Unknowns::skipped;
+    const bool skipped = wrong.may_be_skipped && setup_.unknowns == Unknowns::skipped;
     confused_ = confused_ || (wrong.confuses && !skipped);
     if (!wrong.unknown_letter.empty()) {
       const char letter = upper(wrong.unknown_letter.front());
@@ -158,14 +162,17 @@ class Interpreter {
       const auto name = "M" + plain_number(m.value, 6);
       if (m.value == 2 || m.value == 30) {
         ends = true;
-      } else if (m.value == 0 || m.value == 1) {
+      } else if (m.value == 0) {
         stands_ = true;
-        remark(m.column, name + " does not wait: the axes stand and go on");
+        stop_ = 0;
+      } else if (m.value == 1) {
+        stands_ = true;
+        remark(m.column, "M1 does not wait: the axes stand and go on");
       } else if (m.value == std::round(m.value) && m.value >= 3 && m.value <= 9) {
-        remark(m.column, name + " is not carried out");
+        take_switch(static_cast<std::uint8_t>(m.value), m.column);
       } else {
         complain(Wrong{m.column, name + " is not known here", {}, false, true});
-        hides_words_ = hides_words_ || unknowns_ == Unknowns::skipped;
+        hides_words_ = hides_words_ || setup_.unknowns == Unknowns::skipped;
       }
     }
     for (const char letter : std::string_view("ST")) {
@@ -174,6 +181,23 @@ class Interpreter {
     }
     if (block.has('S')) feeds_.set_spindle(block.find('S')->value);
     return !ends;
+  }
+
+  /// M3 to M9.
+  void take_switch(std::uint8_t word, std::size_t column) {
+    if (!setup_.words.test(word))
+      return remark(column, fmt::format("M{} is not carried out", word));
+    add(Dwell{0, line_, word});
+    if (word == 3 || word == 4) spindle_is_on_ = true;
+    if (word == spindle_off) spindle_is_on_ = false;
+    if (word == 7 || word == 8) coolant_is_on_ = true;
+    if (word == coolant_off) coolant_is_on_ = false;
+  }
+
+  /// As M2 has it.
+  void switch_off() {
+    if (spindle_is_on_ && setup_.words.test(spindle_off)) add(Dwell{0, line_, spindle_off});
+    if (coolant_is_on_ && setup_.words.test(coolant_off)) add(Dwell{0, line_, coolant_off});
   }
 
   // ---- what a line does ----
@@ -491,12 +515,15 @@ class Interpreter {
 
   ProblemList& problems_;
   ProblemList remarks_{most_remarks};
-  Unknowns unknowns_;
+  const GcodeSetup& setup_;
   std::string unknown_letters_;
   bool confused_ = false;
   bool has_begun_ = false;
   bool hides_words_ = false;
-  bool stands_ = false;  ///< Behind the movement of this line.
+  bool stands_ = false;                 ///< Behind the movement of this line.
+  std::optional<std::uint8_t> stop_{};  ///< Why: M0, which waits.
+  bool spindle_is_on_ = false;          ///< Switched on by a word that is carried out.
+  bool coolant_is_on_ = false;
   Path path_;
   Point at_;
   std::optional<Point> line_from_{};  ///< Where the line that ends here began.
@@ -517,9 +544,9 @@ class Interpreter {
 }  // namespace
 
 tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start,
-                                            Unknowns unknowns) {
+                                            const GcodeSetup& setup) {
   ProblemList problems;
-  Interpreter interpreter(start, unknowns, problems);
+  Interpreter interpreter(start, setup, problems);
   for_each_line(text, problems, [&](std::string_view line, std::size_t number) {
     return interpreter.run(line, number);
   });

@@ -78,6 +78,9 @@ class Course::Maker {
   void rest(const Dwell& dwell) {
     close();
     add(Rest{here_, dwell.duration + longer_rests_});
+    // When what comes before it has come to rest.
+    const double stands = course_.pieces_.back().begin + longer_rests_;
+    if (dwell.word) course_.halts_.push_back({stands, dwell.line, *dwell.word});
   }
 
   // What was collected since the last rest becomes a piece.
@@ -211,8 +214,8 @@ double Course::plain_duration() const {
 double Course::duration() const { return plain_duration() + longest_delay(impulses_); }
 
 std::size_t Course::bytes() const {
-  auto bytes =
-      sizeof *this + pieces_.capacity() * sizeof(Piece) + legs_.capacity() * sizeof(LegPlace);
+  auto bytes = sizeof *this + pieces_.capacity() * sizeof(Piece) +
+               legs_.capacity() * sizeof(LegPlace) + halts_.capacity() * sizeof(CourseHalt);
   for (const auto& turns : turns_) bytes += turns.capacity() * sizeof(Turn);
   for (const auto& piece : pieces_) {
     if (const auto* plan = std::get_if<PathPlan>(&piece.what)) bytes += plan->bytes();

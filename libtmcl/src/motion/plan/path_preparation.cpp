@@ -119,9 +119,9 @@ PathFormat format_of(std::string file_name, std::string_view text) {
 }
 
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance,
-                                 path_file::Unknowns unknowns) {
+                                 const path_file::GcodeSetup& setup) {
   if (format == PathFormat::csv) return flattened(path_file::read_csv(text), format, tolerance);
-  return flattened(path_file::read_gcode(text, {}, unknowns), format, tolerance);
+  return flattened(path_file::read_gcode(text, {}, setup), format, tolerance);
 }
 
 std::vector<std::string> warnings_of(const PathSource& source) {
@@ -282,7 +282,7 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
   path_file::Point start{};
   for (const auto& axis : axes)
     start[path_file::gcode_axes.find(axis.choice.of_file)] = axis.stands_at;
-  return flattened(path_file::read_gcode(text, start, request.unknowns), source.format,
+  return flattened(path_file::read_gcode(text, start, request.setup), source.format,
                    request.tolerance);
 }
 
@@ -357,6 +357,7 @@ std::string_view name_of(PathStream::Phase phase) {
     case PathStream::Phase::before: return "measuring";
     case PathStream::Phase::running: return "running";
     case PathStream::Phase::pausing: return "pausing";
+    case PathStream::Phase::waiting: return "waiting";
     case PathStream::Phase::after:
     case PathStream::Phase::ended: return "ending";
   }
