@@ -1,4 +1,8 @@
+#include <algorithm>
+#include <array>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -61,6 +65,29 @@ void add_word(Draft& draft, std::uint8_t word, const Said<std::string>& said) {
   draft.config.path.words.emplace(word, std::move(*output));
 }
 
+bool is_finite(Draft& draft, const Given& key, const std::string& name, double number) {
+  if (std::isfinite(number)) return true;
+  draft.complain(
+      key, fmt::format("{} of '{}' is {}, and no finite number", quoted(name), key.key, number));
+  return false;
+}
+
+void add_origin(Draft& draft, const Said<ConfigNumbers>& said,
+                std::optional<std::array<double, 6>>& origin) {
+  if (!said) return;
+  constexpr std::string_view letters = "xyzabc";
+  origin.emplace();
+  for (const auto& [name, number] : *said) {
+    const auto axis = name.size() == 1 ? letters.find(name.front()) : std::string_view::npos;
+    if (axis == std::string_view::npos) {
+      draft.complain(said, fmt::format("'{}' has {}, but its names are x, y, z, a, b and c",
+                                       said.key, quoted(name)));
+    } else if (is_finite(draft, said, name, number)) {
+      (*origin)[axis] = number;
+    }
+  }
+}
+
 }  // namespace
 
 std::string to_string(const OutputSetting& output) {
@@ -70,6 +97,8 @@ std::string to_string(const OutputSetting& output) {
 
 void add_path(Draft& draft, const PathSection& section) {
   for (const auto& [word, key] : path_word_keys) add_word(draft, word, section.*key);
+  for (std::size_t i = 0; i < path_origin_keys.size(); ++i)
+    add_origin(draft, section.*path_origin_keys[i], draft.config.path.origins[i]);
 }
 
 }  // namespace tmcld

@@ -165,6 +165,8 @@ std::string to_string(const OutputSetting& output);
 struct PathConfig {
   /// What M3, M4, M5, M7, M8 and M9 switch, by their numbers; nothing for others.
   std::map<std::uint8_t, OutputSetting> words{};
+  /// Of G54 to G59, for X Y Z A B C: in mm and degrees from the zero of the axes.
+  std::array<std::optional<std::array<double, 6>>, 6> origins{};
 };
 
 struct PtyName {

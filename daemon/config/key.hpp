@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,7 +27,10 @@ namespace tmcld {
 
 using ConfigRange = std::array<double, 2>;
 using ConfigTexts = std::vector<std::string>;
-using KeyValue = std::variant<std::string, std::int64_t, double, bool, ConfigRange, ConfigTexts>;
+/// By names of their own.
+using ConfigNumbers = std::map<std::string, double>;
+using KeyValue =
+    std::variant<std::string, std::int64_t, double, bool, ConfigRange, ConfigTexts, ConfigNumbers>;
 
 /// A place in a text; line and column count from one.
 struct Place {
@@ -63,7 +67,7 @@ struct Section {
   std::string text{};  ///< The same for sections that say the same, wherever they stand.
 };
 
-enum class KeyType : std::uint8_t { string, strings, integer, number, boolean, range };
+enum class KeyType : std::uint8_t { string, strings, integer, number, numbers, boolean, range };
 
 struct Key {
   std::string_view name;
@@ -86,6 +90,8 @@ template <>
 inline constexpr KeyType key_type_of<ConfigTexts> = KeyType::strings;
 template <>
 inline constexpr KeyType key_type_of<double> = KeyType::number;
+template <>
+inline constexpr KeyType key_type_of<ConfigNumbers> = KeyType::numbers;
 template <>
 inline constexpr KeyType key_type_of<bool> = KeyType::boolean;
 template <>

@@ -35,6 +35,7 @@ std::string_view name_of(KeyType type) {
     case KeyType::strings: return "a list of texts, [\"one\", \"another\"]";
     case KeyType::integer: return "a whole number";
     case KeyType::number: return "a number";
+    case KeyType::numbers: return "numbers with names, {x = 1.5, y = 2}";
     case KeyType::boolean: return "true or false";
     case KeyType::range: return "two numbers in brackets, [least, greatest]";
   }
@@ -62,12 +63,24 @@ std::optional<ConfigRange> range_of(const toml::array* list) {
   return least && greatest ? std::optional(ConfigRange{*least, *greatest}) : std::nullopt;
 }
 
+std::optional<ConfigNumbers> numbers_of(const toml::table* table) {
+  if (table == nullptr) return std::nullopt;
+  ConfigNumbers numbers;
+  for (const auto& [name, node] : *table) {
+    const auto number = number_of(node);
+    if (!number) return std::nullopt;
+    numbers.emplace(name.str(), *number);
+  }
+  return numbers;
+}
+
 std::optional<KeyValue> value_of(KeyType type, const toml::node& node) {
   switch (type) {
     case KeyType::string: return node.value_exact<std::string>();
     case KeyType::strings: return texts_of(node.as_array());
     case KeyType::integer: return node.value_exact<std::int64_t>();
     case KeyType::number: return number_of(node);
+    case KeyType::numbers: return numbers_of(node.as_table());
     case KeyType::boolean: return node.value_exact<bool>();
     case KeyType::range: return range_of(node.as_array());
   }

@@ -170,6 +170,14 @@ struct PathSection : Section {
   TMCL_KEY(Said<std::string>, m8, "what M8 switches");
   TMCL_KEY(Said<std::string>, m9,
            "what M9 switches; also when a path ends after M7 or M8, and without M9");
+  TMCL_KEY(Said<ConfigNumbers>, g54,
+           "where positions of G54 count from, in mm and degrees from the zero of the axes: "
+           "{x = 10, y = 5}");
+  TMCL_KEY(Said<ConfigNumbers>, g55, "the same of G55");
+  TMCL_KEY(Said<ConfigNumbers>, g56, "the same of G56");
+  TMCL_KEY(Said<ConfigNumbers>, g57, "the same of G57");
+  TMCL_KEY(Said<ConfigNumbers>, g58, "the same of G58");
+  TMCL_KEY(Said<ConfigNumbers>, g59, "the same of G59");
 };
 /// Its keys of M words, by their numbers.
 struct PathWordKey {
@@ -180,6 +188,8 @@ constexpr std::array path_word_keys{
     PathWordKey{3, &PathSection::m3}, PathWordKey{4, &PathSection::m4},
     PathWordKey{5, &PathSection::m5}, PathWordKey{7, &PathSection::m7},
     PathWordKey{8, &PathSection::m8}, PathWordKey{9, &PathSection::m9}};
+constexpr std::array path_origin_keys{&PathSection::g54, &PathSection::g55, &PathSection::g56,
+                                      &PathSection::g57, &PathSection::g58, &PathSection::g59};
 
 /// What one file says, or several, one after the other.
 struct ConfigText {

@@ -551,6 +551,30 @@ TEST(DaemonConfig, RefusesWhatMWordsCannotSwitch) {
               ElementsAre(HasSubstr("there is one such section, written [path]")));
 }
 
+TEST(DaemonConfig, KnowsStoredOrigins) {
+  const auto config =
+      parse_config(std::string(good) + "[path]\ng54 = {x = 1, z = -2.5}\ng59 = {a = 90}\n");
+  ASSERT_TRUE(config) << config.error().front().message;
+  const auto& path = config->path;
+  EXPECT_EQ(path.origins[0], (std::array<double, 6>{1, 0, -2.5, 0, 0, 0}));
+  EXPECT_EQ(path.origins[5], (std::array<double, 6>{0, 0, 0, 90, 0, 0}));
+  EXPECT_FALSE(path.origins[1]);
+}
+
+TEST(DaemonConfig, RefusesOriginsThatAreNone) {
+  const auto told = [](const std::string& line) {
+    return problems(std::string(good) + "[path]\n" + line + "\n");
+  };
+  EXPECT_THAT(told("g55 = {X = 1}"),
+              ElementsAre("f:13:7: 'g55' has 'X', but its names are x, y, z, a, b and c"));
+  EXPECT_THAT(told("g55 = {xy = 1}"), ElementsAre(HasSubstr("'g55' has 'xy'")));
+  EXPECT_THAT(told("g55 = {x = \"1\"}"),
+              ElementsAre("f:13:7: 'g55' must be numbers with names, {x = 1.5, y = 2}"));
+  EXPECT_THAT(told("g55 = 5"), ElementsAre(HasSubstr("'g55' must be numbers with names")));
+  EXPECT_THAT(told("g55 = {x = inf}"),
+              ElementsAre("f:13:7: 'x' of 'g55' is inf, and no finite number"));
+}
+
 // With --direct there is one bus: what is on others is not switched.
 TEST(DaemonConfig, OfOneLinkThereIsWhatItsBusSwitches) {
   const auto path = tmcl::test::temp_path("switches.toml");

@@ -163,6 +163,27 @@ TEST(PlanGcode, ACoordinateSystemThatWasNotSetIsTold) {
   EXPECT_THAT(read("G10 L2 P3 X0\nG56 G0 X2\n").remarks, IsEmpty());
 }
 
+GcodeSetup with_stored_origins() {
+  GcodeSetup setup;
+  setup.origins[0] = Point{10, 0, 0, 90};
+  setup.origins[2] = Point{100};
+  return setup;
+}
+
+TEST(PlanGcode, StoredOriginsHoldFromTheBegin) {
+  const auto stored = with_stored_origins();
+  EXPECT_THAT(ends(read("G0 X1 A0\nG56 X1\nG55 X1\nG53 X7\n", {}, stored)),
+              ElementsAre(Point{11, 90}, Point{101, 90}, Point{1, 90}, Point{7, 90}));
+  EXPECT_THAT(told(read("G54 G0 X1\nG56 X1\nG57 X2\n", {}, stored).remarks),
+              ElementsAre("text:3:1: G57 was not set here; it counts from the zero of the axes"));
+  // What G10 sets, G92 shifts and G28 remembers.
+  EXPECT_THAT(ends(read("G10 L2 P1 X20\nG0 X1\n", {}, stored)), ElementsAre(Point{21}));
+  EXPECT_THAT(ends(read("G10 L20 P3 X0\nG56 G0 X1\n", {5}, stored)), ElementsAre(Point{6}));
+  EXPECT_THAT(ends(read("G92 X0\nG0 X1\nG56 X1\n", {5}, stored)), ElementsAre(Point{6}, Point{96}));
+  EXPECT_THAT(ends(read("G28 X1\n", {}, stored)), ElementsAre(Point{11}, Point{0}));
+  EXPECT_THAT(ends(read("G91 G0 X1\n", {}, stored)), ElementsAre(Point{1}));
+}
+
 TEST(PlanGcode, WhatSetsPositionsMayBeWrong) {
   EXPECT_EQ(complaint("G10 L1 P1 X1"), "text:1:1: G10 is known with L2 and L20 only");
   EXPECT_THAT(complaint("G10 L2 P7 X1"), HasSubstr("text:1:8: G10 needs P: 1 to 6"));

@@ -101,6 +101,11 @@ struct GcodeSetup {
   /// The words of M3, M4, M5, M7, M8 and M9 that are carried out, by their numbers; others are
   /// remarks.
   std::bitset<10> words{};
+  static constexpr std::size_t systems = 6;
+  /// Where G54 to G59 count from at first, in mm and degrees from the zero of the axes; nothing for
+  /// one that was not stored.
+  std::array<std::optional<Point>, systems> origins{};
+};
 };
 
 /// What CAM programs write, as LinuxCNC has it:
@@ -125,6 +130,8 @@ struct GcodeSetup {
 /// same. An arc by its centre that sweeps less than 5e-7 rad is a whole turn. Its ends may be so
 /// differently far from its centre as LinuxCNC lets them: 0.0283 mm or 0.00283 inch, or 0.1 % up to
 /// a hundred times that.
+///
+/// Stored origins hold until G10 sets others, for this program alone.
 ///
 /// Remarks: S, T, M6, those of M3 to M9 that are not carried out, P of G64, M1, and a coordinate
 /// system that was not set.

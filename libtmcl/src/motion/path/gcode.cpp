@@ -50,7 +50,7 @@ bool goes_straight_on(const Point& before, const Point& at, const Point& target)
 class Interpreter {
  public:
   Interpreter(const Point& start, const GcodeSetup& setup, ProblemList& problems)
-      : problems_(problems), setup_(setup), at_(start) {
+      : problems_(problems), setup_(setup), at_(start), origins_(setup.origins) {
     path_.start = start;
   }
 

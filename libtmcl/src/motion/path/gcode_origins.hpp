@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "tmcl/plan/path_file.hpp"
 
@@ -12,7 +13,15 @@ namespace tmcl::plan::path_file::gcode {
 /// zero of the axes.
 class Origins {
  public:
-  static constexpr std::size_t systems = 6;
+  static constexpr std::size_t systems = GcodeSetup::systems;
+
+  /// As they were stored.
+  explicit Origins(const std::array<std::optional<Point>, systems>& stored) {
+    for (std::size_t i = 0; i < systems; ++i) {
+      set_[i] = stored[i].has_value();
+      systems_[i] = stored[i].value_or(Point{});
+    }
+  }
 
   double of(std::size_t axis) const { return systems_[selected_][axis] + shift_[axis]; }
   std::size_t selected() const { return selected_; }
