@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t most_corners = 5;
 
 /// One of each word at most.
-void note(const tmcl::plan::CourseHalt& halt, path::Course& view) {
+void note_halt(const tmcl::plan::CourseHalt& halt, path::Course& view) {
   if (halt.waits()) {
     ++view.waits;
     return;
@@ -47,7 +47,7 @@ path::Course view_of(const Course& course, const std::vector<std::string>& names
     view.slowest_corners.push_back(
         {corner.line, corner.time, corner.speed, to_list(corner.position, course.axes())});
   }
-  for (const auto& halt : course.halts()) note(halt, view);
+  for (const auto& halt : course.halts()) note_halt(halt, view);
   std::ranges::sort(view.words, {}, &path::CarriedOut::number);
   return view;
 }

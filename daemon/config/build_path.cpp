@@ -88,6 +88,19 @@ void add_origin(Draft& draft, const Said<ConfigNumbers>& said,
   }
 }
 
+void add_tools(Draft& draft, const Said<ConfigNumbers>& said) {
+  constexpr int most_tool = 99'999;
+  for (const auto& [name, length] : said.value_or(ConfigNumbers{})) {
+    const auto tool = whole_number<std::uint32_t>(name, most_tool);
+    if (!tool || *tool == 0) {
+      draft.complain(said, fmt::format("'{}' has {}, but its names are numbers of tools, 1 to {}",
+                                       said.key, quoted(name), most_tool));
+    } else if (is_finite(draft, said, name, length)) {
+      draft.config.path.tools[static_cast<int>(*tool)] = length;
+    }
+  }
+}
+
 }  // namespace
 
 std::string to_string(const OutputSetting& output) {
@@ -99,6 +112,7 @@ void add_path(Draft& draft, const PathSection& section) {
   for (const auto& [word, key] : path_word_keys) add_word(draft, word, section.*key);
   for (std::size_t i = 0; i < path_origin_keys.size(); ++i)
     add_origin(draft, section.*path_origin_keys[i], draft.config.path.origins[i]);
+  add_tools(draft, section.tools);
 }
 
 }  // namespace tmcld

@@ -167,6 +167,7 @@ struct PathConfig {
   std::map<std::uint8_t, OutputSetting> words{};
   /// Of G54 to G59, for X Y Z A B C: in mm and degrees from the zero of the axes.
   std::array<std::optional<std::array<double, 6>>, 6> origins{};
+  std::map<int, double> tools{};  ///< How long they are, in mm, by their numbers.
 };
 
 struct PtyName {

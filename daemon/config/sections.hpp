@@ -178,6 +178,8 @@ struct PathSection : Section {
   TMCL_KEY(Said<ConfigNumbers>, g57, "the same of G57");
   TMCL_KEY(Said<ConfigNumbers>, g58, "the same of G58");
   TMCL_KEY(Said<ConfigNumbers>, g59, "the same of G59");
+  TMCL_KEY(Said<ConfigNumbers>, tools,
+           "how long tools are along Z, in mm, by their numbers: {1 = 12.5, 2 = 30}");
 };
 /// Its keys of M words, by their numbers.
 struct PathWordKey {

@@ -551,17 +551,19 @@ TEST(DaemonConfig, RefusesWhatMWordsCannotSwitch) {
               ElementsAre(HasSubstr("there is one such section, written [path]")));
 }
 
-TEST(DaemonConfig, KnowsStoredOrigins) {
+TEST(DaemonConfig, KnowsOriginsAndTools) {
   const auto config =
-      parse_config(std::string(good) + "[path]\ng54 = {x = 1, z = -2.5}\ng59 = {a = 90}\n");
+      parse_config(std::string(good) +
+                   "[path]\ng54 = {x = 1, z = -2.5}\ng59 = {a = 90}\ntools = {1 = 12.5, 20 = 3}\n");
   ASSERT_TRUE(config) << config.error().front().message;
   const auto& path = config->path;
   EXPECT_EQ(path.origins[0], (std::array<double, 6>{1, 0, -2.5, 0, 0, 0}));
   EXPECT_EQ(path.origins[5], (std::array<double, 6>{0, 0, 0, 90, 0, 0}));
   EXPECT_FALSE(path.origins[1]);
+  EXPECT_EQ(path.tools, (std::map<int, double>{{1, 12.5}, {20, 3}}));
 }
 
-TEST(DaemonConfig, RefusesOriginsThatAreNone) {
+TEST(DaemonConfig, RefusesOriginsAndToolsThatAreNone) {
   const auto told = [](const std::string& line) {
     return problems(std::string(good) + "[path]\n" + line + "\n");
   };
@@ -573,6 +575,12 @@ TEST(DaemonConfig, RefusesOriginsThatAreNone) {
   EXPECT_THAT(told("g55 = 5"), ElementsAre(HasSubstr("'g55' must be numbers with names")));
   EXPECT_THAT(told("g55 = {x = inf}"),
               ElementsAre("f:13:7: 'x' of 'g55' is inf, and no finite number"));
+  EXPECT_THAT(
+      told("tools = {a = 1}"),
+      ElementsAre("f:13:9: 'tools' has 'a', but its names are numbers of tools, 1 to 99999"));
+  EXPECT_THAT(told("tools = {0 = 1}"), ElementsAre(HasSubstr("'tools' has '0'")));
+  EXPECT_THAT(told("tools = {100000 = 1}"), ElementsAre(HasSubstr("'tools' has '100000'")));
+  EXPECT_THAT(told("tools = {1 = nan}"), ElementsAre(HasSubstr("'1' of 'tools' is nan")));
 }
 
 // With --direct there is one bus: what is on others is not switched.

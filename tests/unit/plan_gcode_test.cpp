@@ -184,6 +184,58 @@ TEST(PlanGcode, StoredOriginsHoldFromTheBegin) {
   EXPECT_THAT(ends(read("G91 G0 X1\n", {}, stored)), ElementsAre(Point{1}));
 }
 
+// ---- Lengths of tools
+
+GcodeSetup with_tools() {
+  GcodeSetup setup;
+  setup.tools = {{1, 12.5}, {2, -3}};
+  return setup;
+}
+
+TEST(PlanGcode, ToolsAreAsLongAsTheirTableSays) {
+  const auto tools = with_tools();
+  EXPECT_THAT(ends(read("G43 H1 G0 Z5\nX1\nG43 H2 Z5\nG49 Z5\nG43 H1\nG43 H0 Z6\n", {}, tools)),
+              ElementsAre(Point{0, 17.5}, Point{1, 17.5}, Point{1, 2}, Point{1, 5}, Point{1, 6}));
+  EXPECT_THAT(ends(read("G43 H1\nG53 G0 Z0.5\nG91 Z1\nG90 Z0\n", {}, tools)),
+              ElementsAre(Point{0.5}, Point{1.5}, Point{12.5}));
+  // What stands there has this position, whichever tool it is.
+  EXPECT_THAT(ends(read("G43 H1\nG92 Z0\nG0 Z1\nG49 Z1\n", {0, 0, 20}, tools)),
+              ElementsAre(Point{21}, Point{8.5}));
+  EXPECT_THAT(ends(read("G43 H1\nG10 L20 P1 Z0\nG0 Z1\n", {0, 0, 20}, tools)),
+              ElementsAre(Point{21}));
+}
+
+TEST(PlanGcode, WithoutHItIsTheToolThatWasChangedTo) {
+  EXPECT_THAT(ends(read("T1 M6\nT2\nG43 G0 Z5\nM6\nG43 Z5\n", {}, with_tools())),
+              ElementsAre(Point{17.5}, Point{2}));
+  const auto without = [](std::string_view text) {
+    const auto path = read_gcode(text, {}, with_tools());
+    return path ? std::string() : describe(path.error().front(), "text");
+  };
+  EXPECT_EQ(without("T1 G43"),
+            "text:1:4: G43 needs H, the number of a tool, or M6 with T before it");
+  EXPECT_EQ(
+      without("T7 M6\nG43 G0 Z1"),
+      "text:2:1: the length of tool 7 is not known: 'tools' of [path] in the configuration of "
+      "tmcld says lengths");
+  for (const std::string tool : {"3", "1.5", "-1", "99999999999"})
+    EXPECT_THAT(without("G43 H" + tool), HasSubstr("text:1:5: the length of tool " + tool)) << tool;
+}
+
+TEST(PlanGcode, G43_1SaysLengthsItself) {
+  EXPECT_THAT(ends(read("G20 G43.1 Z1\nG21 G0 Z5\nG43.1 X2\nX1 Z1\nG49 X1 Z1\n")),
+              ElementsAre(Point{0, 30.4}, Point{3, 26.4}, Point{1, 1}));
+  EXPECT_THAT(ends(read("G0 Z5\nG43.1 Z1\nZ5\n")), ElementsAre(Point{5}, Point{6}));
+  EXPECT_THAT(read("G43.1 Z1\nG0 X1\n").axes, ElementsAre("X"));
+  EXPECT_EQ(complaint("G43.1"), "text:1:1: G43.1 needs an axis, and its length");
+  EXPECT_EQ(complaint("G43.1 G0 Z1"), "text:1:7: G43.1 and a movement exclude each other");
+  EXPECT_EQ(complaint("G43.1 G92 Z1"), "text:1:7: G43.1 and G92 exclude each other");
+  EXPECT_EQ(complaint("G43.1 G43 H0 Z1"), "text:1:7: G43.1 and G43 exclude each other");
+  EXPECT_EQ(complaint("G43.1 Z1 H1"), "text:1:10: H belongs to G43");
+  EXPECT_EQ(complaint("G43.2 H1"),
+            "text:1:1: G43.2 is not known here: one length of a tool holds at a time");
+}
+
 TEST(PlanGcode, WhatSetsPositionsMayBeWrong) {
   EXPECT_EQ(complaint("G10 L1 P1 X1"), "text:1:1: G10 is known with L2 and L20 only");
   EXPECT_THAT(complaint("G10 L2 P7 X1"), HasSubstr("text:1:8: G10 needs P: 1 to 6"));
@@ -321,8 +373,10 @@ TEST(PlanGcode, CodesOfOneKindExcludeEachOther) {
 TEST(PlanGcode, WhatIsRefusedSaysWhy) {
   EXPECT_EQ(complaint("G41 D1"),
             "text:1:1: G41 is not known here: the radius of a tool is not known");
-  EXPECT_EQ(complaint("G43 H1"),
-            "text:1:1: G43 without H0 is not known here: the length of a tool is not known");
+  EXPECT_EQ(
+      complaint("G43 H1"),
+      "text:1:5: the length of tool 1 is not known: 'tools' of [path] in the configuration of "
+      "tmcld says lengths");
   EXPECT_EQ(complaint("G83 X1"), "text:1:1: G83 is not known here: drilling cycles are not read");
   EXPECT_EQ(complaint("G33 K1"), "text:1:1: G33 is not known here: no spindle leads the axes");
   EXPECT_EQ(complaint("G5 X1"), "text:1:1: G5 is not known here: splines are not read");
@@ -336,8 +390,9 @@ TEST(PlanGcode, WhatIsRefusedSaysWhy) {
 TEST(PlanGcode, ProblemsBehindToolsAreToldAtOnce) {
   EXPECT_THAT(complaints("F60 G41 D1 G1 X1\nG43 H2 Z5\nG2 X5 I1\nM48\nG5 X1\n"),
               ElementsAre(HasSubstr("text:1:5: G41"), HasSubstr("text:1:9: 'D1'"),
-                          HasSubstr("text:2:1: G43"), HasSubstr("text:3:7: the arc begins"),
-                          HasSubstr("text:4:1: M48"), HasSubstr("text:5:1: G5")));
+                          HasSubstr("text:2:5: the length of tool 2"),
+                          HasSubstr("text:3:7: the arc begins"), HasSubstr("text:4:1: M48"),
+                          HasSubstr("text:5:1: G5")));
 }
 
 TEST(PlanGcode, UnknownWordsMayBeSkipped) {
@@ -348,7 +403,7 @@ TEST(PlanGcode, UnknownWordsMayBeSkipped) {
       ElementsAre(
           "text:1:5: G41 is not known here: the radius of a tool is not known; skipped",
           "text:1:9: 'D1' is not known here; skipped", "text:1:18: 'E5' is not known here; skipped",
-          HasSubstr("text:2:1: G43 without H0 is not known here"),
+          HasSubstr("text:2:5: the length of tool 2 is not known"),
           "text:3:1: M48 is not known here; skipped", "text:4:1: M98 is not known here; skipped"));
 }
 

@@ -11,6 +11,7 @@ tmcl::plan::path_file::GcodeSetup setup_of(const PathConfig& path) {
   tmcl::plan::path_file::GcodeSetup setup;
   for (const auto& [word, output] : path.words) setup.words.set(word);
   setup.origins = path.origins;
+  setup.tools = path.tools;
   return setup;
 }
 

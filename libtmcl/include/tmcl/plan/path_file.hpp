@@ -8,6 +8,7 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -105,7 +106,8 @@ struct GcodeSetup {
   /// Where G54 to G59 count from at first, in mm and degrees from the zero of the axes; nothing for
   /// one that was not stored.
   std::array<std::optional<Point>, systems> origins{};
-};
+  /// How long tools are, in mm, by their numbers.
+  std::map<int, double> tools{};
 };
 
 /// What CAM programs write, as LinuxCNC has it:
@@ -115,7 +117,9 @@ struct GcodeSetup {
 /// - G28, G30: by the axes' point on the line to the stored one, which is the zero of the axes
 ///   until G28.1 or G30.1 stores another; without axes all that the program moves go there;
 /// - G61, G61.1: axes stand between movements, unless a line goes straight on after G61; G64;
-/// - G40, G43 H0, G49, which change nothing here;
+/// - G43 H, by the table of tools, or without H for the tool that M6 has changed to; G43.1, which
+///   says lengths itself; G49: positions of Z, of G43.1 all of its axes, count from so much farther;
+/// - G40, which changes nothing here;
 /// - M0, where the axes stand and wait until they are told to go on; M1, where they stand and go
 ///   on; M2 and M30, behind which nothing is read;
 /// - M3, M4, M5, M7, M8 and M9, if the setup says that they are carried out: the axes stand then,

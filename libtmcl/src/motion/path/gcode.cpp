@@ -28,6 +28,8 @@ constexpr std::string_view axis_letters = gcode_axes;
 constexpr std::string_view centre_letters = "IJK";
 constexpr std::string_view ways_of_arcs = "IJKR";
 constexpr std::size_t linear_axes = 3;
+constexpr std::size_t tool_axis = 2;
+constexpr int most_tool = 99'999;
 constexpr std::uint8_t spindle_off = 5;
 constexpr std::uint8_t coolant_off = 9;
 
@@ -120,7 +122,7 @@ class Interpreter {
     if (const auto feed = codes.of(Group::feed)) feeds_.set_mode(*feed);
     if (codes.are(Group::corners, 640) && block.has('P'))
       remark(codes.column_of(Group::corners), "P of G64 is not carried out; the tolerance holds");
-    if (codes.are(Group::tool_length, 430)) complain(take_tool_length(codes, block));
+    if (codes.of(Group::tool_length)) complain(take_tool_length(codes, block));
     take_motion(codes);
   }
 
@@ -146,19 +148,53 @@ class Interpreter {
            fmt::format("G{} was not set here; it counts from the zero of the axes", code / 10));
   }
 
-  static Part<void> take_tool_length(const Codes& codes, const Block& block) {
-    const auto& tool = block.find('H');
-    if (tool && tool->value == 0) return {};
-    Wrong fault{codes.column_of(Group::tool_length),
-                "G43 without H0 is not known here: the length of a tool is not known"};
+  Part<void> take_tool_length(const Codes& codes, const Block& block) {
+    if (codes.are(Group::tool_length, 431)) return take_lengths(codes, block);
+    if (codes.are(Group::tool_length, 490)) return origins_.forget_tool(), Part<void>{};
+    const auto& named = block.find('H');
+    const auto column = named ? named->column : codes.column_of(Group::tool_length);
+    const double number = named ? named->value : tool_in_use_.value_or(-1);
+    if (!named && !tool_in_use_)
+      return no_tool(column, "G43 needs H, the number of a tool, or M6 with T before it");
+    const auto tool = number == 0 ? setup_.tools.end() : tool_of(number);
+    if (number != 0 && tool == setup_.tools.end()) {
+      return no_tool(column, fmt::format("the length of tool {} is not known: 'tools' of [path] in "
+                                         "the configuration of tmcld says lengths",
+                                         plain_number(number, 6)));
+    }
+    origins_.forget_tool();
+    if (number != 0) origins_.lengthen_tool(tool_axis, tool->second);
+    return {};
+  }
+
+  static Part<void> no_tool(std::size_t column, std::string message) {
+    Wrong fault{column, std::move(message)};
     fault.may_be_skipped = true;
     return tl::unexpected(std::move(fault));
+  }
+
+  std::map<int, double>::const_iterator tool_of(double number) const {
+    const bool may_be_one = number == std::round(number) && std::abs(number) <= most_tool;
+    return may_be_one ? setup_.tools.find(static_cast<int>(number)) : setup_.tools.end();
+  }
+
+  /// G43.1.
+  Part<void> take_lengths(const Codes& codes, const Block& block) {
+    if (!block.has_any(axis_letters))
+      return wrong(codes.column_of(Group::tool_length), "G43.1 needs an axis, and its length");
+    for (std::size_t i = 0; i < axis_letters.size(); ++i) {
+      if (const auto& word = block.find(axis_letters[i]))
+        origins_.lengthen_tool(i, in_mm(*word, i));
+    }
+    return {};
   }
 
   /// False at the end of the program.
   bool take_m_words(const Block& block) {
     bool ends = false;
+    bool changes_tool = false;
     for (const auto& m : block.m()) {
+      changes_tool = changes_tool || m.value == 6;
       const auto name = "M" + plain_number(m.value, 6);
       if (m.value == 2 || m.value == 30) {
         ends = true;
@@ -179,6 +215,8 @@ class Interpreter {
       if (block.has(letter))
         remark(block.find(letter)->column, fmt::format("{} is not carried out", letter));
     }
+    if (block.has('T')) tool_chosen_ = block.find('T')->value;
+    if (changes_tool) tool_in_use_ = tool_chosen_;
     if (block.has('S')) feeds_.set_spindle(block.find('S')->value);
     return !ends;
   }
@@ -219,6 +257,7 @@ class Interpreter {
       case 923: origins_.restore_shift(); break;
       default: break;
     }
+    if (codes.are(Group::tool_length, 431)) return {};
     if (!codes.of(Group::motion) && (hides_words_ || motion_is_hidden_)) return {};
     const bool of_machine = codes.are(Group::once, 530);
     if (of_machine && makes_arc(block, codes))
@@ -530,6 +569,8 @@ class Interpreter {
   std::array<bool, most_axes> used_{};
   std::size_t line_ = 0;
   gcode::Origins origins_;
+  std::optional<double> tool_chosen_{};  ///< By T.
+  std::optional<double> tool_in_use_{};  ///< By M6.
   gcode::Feeds feeds_;
   std::array<Point, 2> stored_{};  ///< By G28.1 and G30.1.
   std::array<std::size_t, 2> plane_{0, 1};

@@ -15,27 +15,27 @@ struct KnownCode {
   Group group;
 };
 constexpr std::array known_codes{
-    KnownCode{0, Group::motion},        KnownCode{10, Group::motion},
-    KnownCode{20, Group::motion},       KnownCode{30, Group::motion},
-    KnownCode{40, Group::once},         KnownCode{100, Group::once},
-    KnownCode{170, Group::plane},       KnownCode{180, Group::plane},
-    KnownCode{190, Group::plane},       KnownCode{200, Group::unit},
-    KnownCode{210, Group::unit},        KnownCode{280, Group::once},
-    KnownCode{281, Group::once},        KnownCode{300, Group::once},
-    KnownCode{301, Group::once},        KnownCode{400, Group::tool_radius},
-    KnownCode{430, Group::tool_length}, KnownCode{490, Group::tool_length},
-    KnownCode{520, Group::once},        KnownCode{530, Group::once},
-    KnownCode{540, Group::system},      KnownCode{550, Group::system},
-    KnownCode{560, Group::system},      KnownCode{570, Group::system},
-    KnownCode{580, Group::system},      KnownCode{590, Group::system},
-    KnownCode{610, Group::corners},     KnownCode{611, Group::corners},
-    KnownCode{640, Group::corners},     KnownCode{800, Group::end_of_cycles},
-    KnownCode{900, Group::distance},    KnownCode{901, Group::centres},
-    KnownCode{910, Group::distance},    KnownCode{911, Group::centres},
-    KnownCode{920, Group::once},        KnownCode{921, Group::once},
-    KnownCode{922, Group::once},        KnownCode{923, Group::once},
-    KnownCode{930, Group::feed},        KnownCode{940, Group::feed},
-    KnownCode{950, Group::feed}};
+    KnownCode{0, Group::motion},          KnownCode{10, Group::motion},
+    KnownCode{20, Group::motion},         KnownCode{30, Group::motion},
+    KnownCode{40, Group::once},           KnownCode{100, Group::once},
+    KnownCode{170, Group::plane},         KnownCode{180, Group::plane},
+    KnownCode{190, Group::plane},         KnownCode{200, Group::unit},
+    KnownCode{210, Group::unit},          KnownCode{280, Group::once},
+    KnownCode{281, Group::once},          KnownCode{300, Group::once},
+    KnownCode{301, Group::once},          KnownCode{400, Group::tool_radius},
+    KnownCode{430, Group::tool_length},   KnownCode{431, Group::tool_length},
+    KnownCode{490, Group::tool_length},   KnownCode{520, Group::once},
+    KnownCode{530, Group::once},          KnownCode{540, Group::system},
+    KnownCode{550, Group::system},        KnownCode{560, Group::system},
+    KnownCode{570, Group::system},        KnownCode{580, Group::system},
+    KnownCode{590, Group::system},        KnownCode{610, Group::corners},
+    KnownCode{611, Group::corners},       KnownCode{640, Group::corners},
+    KnownCode{800, Group::end_of_cycles}, KnownCode{900, Group::distance},
+    KnownCode{901, Group::centres},       KnownCode{910, Group::distance},
+    KnownCode{911, Group::centres},       KnownCode{920, Group::once},
+    KnownCode{921, Group::once},          KnownCode{922, Group::once},
+    KnownCode{923, Group::once},          KnownCode{930, Group::feed},
+    KnownCode{940, Group::feed},          KnownCode{950, Group::feed}};
 
 /// What is known of a code that is refused.
 struct RefusedCode {
@@ -49,7 +49,7 @@ constexpr std::array refused_codes{
     RefusedCode{330, 331, "no spindle leads the axes", true, true},
     RefusedCode{380, 389, "there is no probe", true, true},
     RefusedCode{410, 421, "the radius of a tool is not known", false},
-    RefusedCode{431, 432, "the length of a tool is not known"},
+    RefusedCode{432, 432, "one length of a tool holds at a time"},
     RefusedCode{730, 730, "drilling cycles are not read", true, true},
     RefusedCode{760, 760, "no spindle leads the axes", true, true},
     RefusedCode{810, 890, "drilling cycles are not read", true, true}};
@@ -63,7 +63,9 @@ Codes::Codes(const Block& block) {
   check_together();
 }
 
-bool Codes::take_axes() const {
+bool Codes::take_axes() const { return are(Group::tool_length, 431) || once_takes_axes(); }
+
+bool Codes::once_takes_axes() const {
   const auto code = of(Group::once);
   return code && *code != 530 && *code != 281 && *code != 301 && *code != 921 && *code != 922 &&
          *code != 923;
@@ -104,10 +106,15 @@ void Codes::add_unknown(const Word& word, int tenths) {
 }
 
 void Codes::check_together() {
-  const auto once = of(Group::once);
-  if (!of(Group::motion) || !take_axes()) return;
-  wrongs_.push_back({std::max(column_of(Group::once), column_of(Group::motion)),
-                     fmt::format("{} and a movement exclude each other", name_of(*once)),
+  const bool lengthens = are(Group::tool_length, 431);
+  const auto group = lengthens ? Group::tool_length : Group::once;
+  if (lengthens && once_takes_axes()) exclude(group, Group::once, name_of(*of(Group::once)));
+  if (of(Group::motion) && take_axes()) exclude(group, Group::motion, "a movement");
+}
+
+void Codes::exclude(Group one, Group other, const std::string& what) {
+  wrongs_.push_back({std::max(column_of(one), column_of(other)),
+                     fmt::format("{} and {} exclude each other", name_of(*of(one)), what),
                      {},
                      true});
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "motion/path/gcode_block.hpp"
@@ -36,7 +37,7 @@ class Codes {
   bool are(Group group, int tenths) const { return of(group) == tenths; }
   /// Where the code of this group stands.
   std::size_t column_of(Group group) const { return columns_[static_cast<std::size_t>(group)]; }
-  /// Whether the code of the group `once` says what the axes of the line mean.
+  /// Whether G43.1, or the code of the group `once`, says what the axes of the line mean.
   bool take_axes() const;
   bool has_unknown() const { return !wrongs_.empty(); }
   /// A code that is not known may mean what the axes of its line are.
@@ -47,7 +48,9 @@ class Codes {
  private:
   void add(const Word& word);
   void add_unknown(const Word& word, int tenths);
+  bool once_takes_axes() const;
   void check_together();
+  void exclude(Group one, Group other, const std::string& what);
 
   std::array<std::optional<int>, static_cast<std::size_t>(Group::count)> codes_{};
   std::array<std::size_t, static_cast<std::size_t>(Group::count)> columns_{};

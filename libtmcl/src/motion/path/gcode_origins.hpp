@@ -9,8 +9,8 @@
 
 namespace tmcl::plan::path_file::gcode {
 
-/// The coordinate systems G54 to G59 and what G92 shifts all of them by, in mm and degrees from the
-/// zero of the axes.
+/// The coordinate systems G54 to G59, what G92 shifts all of them by, and lengths of tools, in mm and
+/// degrees from the zero of the axes.
 class Origins {
  public:
   static constexpr std::size_t systems = GcodeSetup::systems;
@@ -23,7 +23,9 @@ class Origins {
     }
   }
 
-  double of(std::size_t axis) const { return systems_[selected_][axis] + shift_[axis]; }
+  double of(std::size_t axis) const {
+    return systems_[selected_][axis] + shift_[axis] + tool_[axis];
+  }
   std::size_t selected() const { return selected_; }
   void select(std::size_t system) { selected_ = system; }
   bool is_set(std::size_t system) const { return set_[system]; }
@@ -35,14 +37,18 @@ class Origins {
   }
   /// G10 L20: what stands at `place` has this position there.
   void set_by_place(std::size_t system, std::size_t axis, double place, double position) {
-    set(system, axis, place - shift_[axis] - position);
+    set(system, axis, place - shift_[axis] - tool_[axis] - position);
   }
   /// G52.
   void shift(std::size_t axis, double by) { kept_[axis] = shift_[axis] = by; }
   /// G92: what stands at `place` has this position.
   void shift_by_place(std::size_t axis, double place, double position) {
-    shift(axis, place - systems_[selected_][axis] - position);
+    shift(axis, place - systems_[selected_][axis] - tool_[axis] - position);
   }
+  /// G43.1; of G43, which forgets the others, along Z.
+  void lengthen_tool(std::size_t axis, double length) { tool_[axis] = length; }
+  /// G49.
+  void forget_tool() { tool_ = {}; }
   /// G92.1.
   void forget_shift() { shift_ = kept_ = {}; }
   /// G92.2.
@@ -55,6 +61,7 @@ class Origins {
   std::array<bool, systems> set_{};
   Point shift_{};
   Point kept_{};
+  Point tool_{};
   std::size_t selected_ = 0;
 };
 
