@@ -45,6 +45,40 @@ TEST_F(CtlPath, CheckTellsWhatAPathIs) {
   EXPECT_EQ(document.at("slowest_corners").at(0).at("speed").to_number<double>(), 0);
 }
 
+TEST_F(CtlPath, CheckListsWhatAMachineSwitchesAndHowOftenItWaits) {
+  const auto part = file("M3\nG1 X10 F1200\nM0\nG55 X20 M3\nM0\nM8\n");
+  const auto machine = tmcl::test::temp_path("machine.toml");
+  std::ofstream(machine) << "[daemon]\nsocket = \"/tmp/s\"\n[[bus]]\nname = \"bench\"\n"
+                            "link = \"can:can0\"\n[path]\nm3 = \"bench:1 output 0 1\"\n"
+                            "m5 = \"bench:1 output 0 0\"\ng55 = {x = 100}\n";
+  const std::vector<std::string> check{"path", "check", part, "--machine", machine};
+  EXPECT_EQ(run(check), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("M3    bench:1 output 0 1  2      line 1\n"
+                             "M5    bench:1 output 0 0  1      line 6\n"));
+  EXPECT_THAT(out, HasSubstr("\nwaits 2 times at M0 until 'tmclctl path resume'\n"));
+  EXPECT_THAT(err, HasSubstr("line 6: M8 is not carried out"));
+  EXPECT_THAT(err, Not(HasSubstr("G55")));
+  const auto document = json(check);
+  EXPECT_EQ(document.at("waits"), 2);
+  EXPECT_EQ(document.at("words").as_array().size(), 2U);
+  EXPECT_EQ(document.at("axes").at(0).at("greatest").to_number<double>(), 120);
+  // Without a machine nothing is switched.
+  EXPECT_TRUE(json({"path", "check", part}).at("words").as_array().empty());
+  EXPECT_THAT(err, HasSubstr("line 1: M3 is not carried out"));
+  std::filesystem::remove(machine);
+}
+
+TEST_F(CtlPath, AMachineThatIsWronglyConfiguredIsNamed) {
+  const auto part = file("M3\nG1 X10 F1200\n");
+  const auto machine = tmcl::test::temp_path("machine.toml");
+  std::ofstream(machine) << "[daemon]\nsocket = \"/tmp/s\"\n[path]\nm3 = \"far:1 output 0 1\"\n";
+  EXPECT_EQ(run({"path", "check", part, "--machine", machine}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(":4:6: 'm3': there is no bus 'far'."));
+  std::filesystem::remove(machine);
+  EXPECT_EQ(run({"path", "check", part, "--machine", machine}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(machine));
+}
+
 TEST_F(CtlPath, CheckSaysWhatAShaperCostsAndGains) {
   const auto part = file("G1 X10 F1200\nG1 Y10\n");
   const std::vector<std::string> shaped{"path", "check",       part,  "--shape",

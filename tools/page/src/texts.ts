@@ -127,6 +127,7 @@ export const texts = {
   pathDone: "Passed",
   pathPhase: "Phase",
   pathHeld: "held",
+  pathWaits: (line: number) => `waiting at M0, line ${line}`,
   pathTime: "Passed",
   timeOf: (passed: string, duration: string) => `${passed} of ${duration} s`,
   pathLeft: "Left",

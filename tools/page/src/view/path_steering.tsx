@@ -20,7 +20,7 @@ export function PathSteering({ path }: { path: PathStatus }) {
       <h2>{name}</h2>
       <progress value={path.done} aria-label={texts.pathDone} />
       <dl>
-        <Row name={texts.pathPhase} value={path.held ? texts.pathHeld : path.phase} />
+        <Row name={texts.pathPhase} value={phaseOf(path)} />
         <Row name={texts.pathTime} value={texts.timeOf(numberText(path.passed_s), numberText(path.duration_s))} />
         {path.left_s !== null && <Row name={texts.pathLeft} value={`${numberText(path.left_s)} ${texts.seconds}`} />}
         {path.line !== null && <Row name={texts.pathLine} value={String(path.line)} />}
@@ -41,6 +41,11 @@ export function PathSteering({ path }: { path: PathStatus }) {
       {problem && <p class="problem" role="alert">{problem}</p>}
     </article>
   );
+}
+
+function phaseOf(path: PathStatus): string {
+  if (path.waits_at_line !== null) return texts.pathWaits(path.waits_at_line);
+  return path.held ? texts.pathHeld : path.phase;
 }
 
 function Row({ name, value }: { name: string; value: string }) {
