@@ -9,8 +9,8 @@
 namespace tmcl::plan {
 
 /// The rate of a course's time is brought to what is asked for as fast as the axes can; down to a
-/// standstill in a pause, and up again. A dwell takes its time at any rate but in a pause. At a halt
-/// of the course it stands until it is let go on.
+/// standstill in a pause, and up again. A dwell takes its time at any rate but in a pause. At a
+/// halt of the course it stands until it is let go on.
 class CourseClock {
  public:
   /// `course` must outlive it.

@@ -9,8 +9,8 @@
 
 namespace tmcl::plan::path_file::gcode {
 
-/// The coordinate systems G54 to G59, what G92 shifts all of them by, and lengths of tools, in mm and
-/// degrees from the zero of the axes.
+/// The coordinate systems G54 to G59, what G92 shifts all of them by, and lengths of tools, in mm
+/// and degrees from the zero of the axes.
 class Origins {
  public:
   static constexpr std::size_t systems = GcodeSetup::systems;
