@@ -287,6 +287,30 @@ TEST_F(MqttGate, GivesNoncesByACallOfTheirOwn) {
   EXPECT_TRUE(std::holds_alternative<NonceWanted>(judge(call("nonce")).is));
 }
 
+TEST_F(MqttGate, DropsWhatAUserCallsTooOften) {
+  std::map<std::string, int> became;
+  for (int i = 0; i < 1000; ++i) ++became[refusal(call("axis.get_state"))];
+  EXPECT_EQ(became, (std::map<std::string, int>{
+                        {"call", 100}, {"too_many_requests", 1}, {"nothing", 899}}));
+  EXPECT_EQ(refusal(call("axis.stop")), "call") << "a stop always wins";
+  auto of_ben = call("axis.get_state");
+  of_ben.topic = "tmcl/v1/hall/call/observe/ben/axis.get_state";
+  of_ben.response_topic = "tmcl/v1/reply/ben/hall/1";
+  EXPECT_EQ(refusal(of_ben), "call");
+  pass(1s);
+  became.clear();
+  for (int i = 0; i < 1000; ++i) ++became[refusal(call("axis.get_state"))];
+  EXPECT_EQ(became,
+            (std::map<std::string, int>{{"call", 50}, {"too_many_requests", 1}, {"nothing", 949}}));
+}
+
+TEST(MqttCallRate, RemembersSomeUsers) {
+  CallRate rate;
+  tmcl::TimePoint now{1h};
+  for (std::size_t i = 0; i < 10 * CallRate::most_users; ++i)
+    EXPECT_EQ(rate.judge("user" + std::to_string(i), now += 1ms), CallRate::Verdict::pass);
+}
+
 // ---- wishes ------------------------------------------------------------------------------------
 
 TEST_F(MqttGate, TakesWishesThatEnd) {

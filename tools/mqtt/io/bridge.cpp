@@ -63,6 +63,14 @@ Error answer_too_long() {
           "the answer is longer than the broker takes", "ask for less at a time"};
 }
 
+/// When the first is lost, the second ends.
+awaitable<void> end_with(std::shared_ptr<Broker> first, std::shared_ptr<Broker> second,
+                         Publication farewell) {
+  co_await first->end();
+  second->publish(farewell);
+  second->disconnect();
+}
+
 Error no_gateway() {
   return {std::string(tmcl::client::error_name::unreachable), ErrorKind::failed,
           tmcl::Outcome::not_sent, "tmcld is not there",
@@ -90,11 +98,7 @@ void Bridge::start() {
 
 void Bridge::stop() {
   if (std::exchange(stopping_, true)) return;
-  if (broker_) {
-    flush();
-    broker_->publish(births_.farewell(gate_.epoch()));
-    broker_->disconnect();
-  }
+  disconnect();
   users_->close();
   if (gateway_) gateway_->close();
 }
@@ -104,10 +108,10 @@ awaitable<void> Bridge::look(std::shared_ptr<Bridge> self) {
     const auto now = self->now();
     self->gate_.look(now);
     self->users_->end_silent_ones(now);
-    if (self->broker_) {
+    if (self->calls_.broker) {
       self->add_news(self->news_.due(now));
-      if (auto birth = self->births_.due(now)) self->outbox_.add_news(std::move(*birth));
-      self->flush();
+      if (auto birth = self->births_.due(now)) self->calls_.outbox.add_news(std::move(*birth));
+      self->flush(self->calls_);
     }
     self->on_turn_();
     co_await tmcld::rest(look_interval);
@@ -146,7 +150,7 @@ awaitable<std::string> Bridge::use_gateway() {
   gateway_ = link;
   say_birth();
   add_news(news_.all_states(now()));
-  flush();
+  flush(calls_);
   tmcld::log(LogLevel::info, fmt::format("tmcld {} is there", link->daemon_version()));
   co_await link->end();
   gateway_ = nullptr;
@@ -182,7 +186,7 @@ awaitable<Result<void>> Bridge::get_to_know(GatewayLink& link) {
 void Bridge::hear(std::string_view method, const json::object& params) {
   if (method != api::NewState::notification) return;
   add_news(news_.hear(params, now()));
-  flush();
+  flush(calls_);
 }
 
 // ---- the broker --------------------------------------------------------------------------------
@@ -202,94 +206,133 @@ awaitable<void> Bridge::serve_broker(std::shared_ptr<Bridge> self) {
 
 awaitable<std::string> Bridge::use_broker() {
   gate_.begin_epoch();
-  BrokerOptions options{
-      config_.host,        config_.port, "tmcld-mqtt-" + config_.gateway, config_.ca,
-      config_.certificate, config_.key,  births_.will(gate_.epoch())};
-  auto on_message = [weak = weak_from_this()](Message message) {
-    if (const auto self = weak.lock()) self->take(std::move(message));
-  };
-  auto on_room = [weak = weak_from_this()] {
-    if (const auto self = weak.lock()) self->flush();
-  };
   connecting_ = true;
-  auto connecting = connect_to_broker(workers_, std::move(options), on_message, on_room);
-  const auto connected = co_await std::move(connecting);
-  connecting_ = false;
-  if (!connected) co_return connected.error();
-  if (stopping_) {
-    (*connected)->disconnect();
-    co_return std::string();
+  auto connecting = connect(stops_, "-stop", std::nullopt);
+  auto connected = co_await std::move(connecting);
+  if (connected) {
+    connecting = connect(calls_, "", births_.will(gate_.epoch()));
+    connected = co_await std::move(connecting);
   }
-  broker_ = *connected;
-  outbox_.clear();
-  // QoS 1 keeps a stop from being left out; without a session that lasts none comes late.
-  broker_->subscribe({gate_.topics().stop(), 1});
-  broker_->subscribe({Topics::stop_of_all(), 1});
-  broker_->subscribe({gate_.topics().all_calls(), 0});
-  broker_->subscribe({gate_.topics().all_wishes(), 0});
-  broker_->subscribe({gate_.topics().birth(), 0});
-  say_birth();
-  add_news(news_.all_states(now()));
-  flush();
-  tmcld::log(LogLevel::info, fmt::format("gateway {} is on broker {}:{}", config_.gateway,
-                                         config_.host, config_.port));
-  const auto why = co_await broker_->end();
-  broker_ = nullptr;
+  connecting_ = false;
+  if (!connected || stopping_) {
+    disconnect();
+    std::string why;
+    if (!connected) why = connected.error();
+    co_return why;
+  }
+  begin_on_broker();
+  // One without the other is not what the birth says.
+  const auto calls = calls_.broker;
+  tmcld::spawn(executor_, end_with(stops_.broker, calls, births_.farewell(gate_.epoch())));
+  const auto why = co_await calls->end();
+  disconnect();
   co_return why;
 }
 
+awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::string_view client,
+                                                           std::optional<Publication> will) {
+  BrokerOptions options;
+  options.host = config_.host;
+  options.port = config_.port;
+  options.client_id = "tmcld-mqtt-" + config_.gateway + std::string(client);
+  options.ca = config_.ca;
+  options.certificate = config_.certificate;
+  options.key = config_.key;
+  options.will = std::move(will);
+  auto on_message = [weak = weak_from_this(), &line](const Message& message) {
+    if (const auto self = weak.lock()) self->take(line, message);
+  };
+  auto on_room = [weak = weak_from_this(), &line] {
+    if (const auto self = weak.lock()) self->flush(line);
+  };
+  auto connecting = connect_to_broker(workers_, std::move(options), on_message, on_room);
+  auto connected = co_await std::move(connecting);
+  tl::expected<void, std::string> result;
+  if (connected) {
+    line.broker = std::move(*connected);
+    line.outbox.clear();
+  } else {
+    result = tl::unexpected(std::move(connected.error()));
+  }
+  co_return result;
+}
+
+void Bridge::begin_on_broker() {
+  // QoS 1 keeps a stop from being left out; without a session that lasts none comes late.
+  stops_.broker->subscribe({gate_.topics().stop(), 1});
+  stops_.broker->subscribe({Topics::stop_of_all(), 1});
+  calls_.broker->subscribe({gate_.topics().all_calls(), 0});
+  calls_.broker->subscribe({gate_.topics().all_wishes(), 0});
+  calls_.broker->subscribe({gate_.topics().birth(), 0});
+  say_birth();
+  add_news(news_.all_states(now()));
+  flush(calls_);
+  tmcld::log(LogLevel::info, fmt::format("gateway {} is on broker {}:{}", config_.gateway,
+                                         config_.host, config_.port));
+}
+
+void Bridge::disconnect() {
+  if (calls_.broker) {
+    flush(calls_);
+    calls_.broker->publish(births_.farewell(gate_.epoch()));
+  }
+  for (auto* line : {&calls_, &stops_})
+    if (const auto broker = std::exchange(line->broker, nullptr)) broker->disconnect();
+}
+
 void Bridge::say_birth() {
-  if (!broker_) return;
-  outbox_.add_news(births_.birth({gate_.epoch(), gate_.time_to_live(),
-                                  gateway_ ? gateway_->daemon_version() : std::string(), axes_},
-                                 now()));
-  flush();
+  if (!calls_.broker) return;
+  calls_.outbox.add_news(
+      births_.birth({gate_.epoch(), gate_.time_to_live(),
+                     gateway_ ? gateway_->daemon_version() : std::string(), axes_},
+                    now()));
+  flush(calls_);
 }
 
 void Bridge::add_news(std::vector<Publication> news) {
-  if (!broker_) return;
-  for (auto& one : news) outbox_.add_news(std::move(one));
+  if (!calls_.broker) return;
+  for (auto& one : news) calls_.outbox.add_news(std::move(one));
 }
 
-void Bridge::flush() {
-  while (broker_ && broker_->has_room()) {
-    auto next = outbox_.take();
+void Bridge::flush(Line& line) {
+  while (line.broker && line.broker->has_room()) {
+    auto next = line.outbox.take();
     if (!next) return;
-    if (broker_->publish(*next) != Broker::Sent::too_long) continue;
+    if (line.broker->publish(*next) != Broker::Sent::too_long) continue;
     log_often("what was to go to " + next->topic + " is longer than the broker takes");
     if (next->retained || next->payload.size() <= longest_short_answer) continue;
     next->payload = tmcl::json_text(json::object{{"error", to_json(answer_too_long())}});
-    outbox_.add_answer(std::move(*next));
+    line.outbox.add_answer(std::move(*next));
   }
 }
 
 // ---- messages ----------------------------------------------------------------------------------
 
-void Bridge::take(Message message) {
+void Bridge::take(Line& line, const Message& message) {
   if (stopping_) return;
   const auto now = this->now();
   auto judged = gate_.judge(message, now);
   if (std::holds_alternative<BirthSeen>(judged.is)) births_.see(message);
   if (judged.must_be_cleared) {
     log_often("a message that a broker keeps was taken off it: " + message.topic);
-    outbox_.add_news({.topic = message.topic, .retained = true});
+    line.outbox.add_news({.topic = message.topic, .retained = true});
   }
-  carry_out(std::move(judged), now);
-  flush();
+  carry_out(line, std::move(judged), now);
+  flush(line);
 }
 
-void Bridge::carry_out(Judged judged, tmcl::TimePoint now) {
+void Bridge::carry_out(Line& line, Judged judged, tmcl::TimePoint now) {
   auto& reply = judged.reply;
-  if (std::holds_alternative<StopWanted>(judged.is)) return stop_axes(std::move(reply));
+  if (std::holds_alternative<StopWanted>(judged.is)) return stop_axes(line, std::move(reply));
   if (const auto* refused = std::get_if<Refused>(&judged.is))
-    return answer(reply, tl::unexpected(refused->error));
-  if (std::holds_alternative<NonceWanted>(judged.is)) return answer(reply, json::object());
+    return answer(line, reply, tl::unexpected(refused->error));
+  if (std::holds_alternative<NonceWanted>(judged.is)) return answer(line, reply, json::object());
   if (const auto* wish = std::get_if<WishMade>(&judged.is))
     return news_.wish(wish->user, wish->time, now);
   auto* call = std::get_if<CallWanted>(&judged.is);
   if (call == nullptr) return;
-  auto on_answer = [weak = weak_from_this(), reply](const Result<json::object>& result) {
-    if (const auto self = weak.lock()) self->answer(reply, result);
+  auto on_answer = [weak = weak_from_this(), reply, &line](const Result<json::object>& result) {
+    if (const auto self = weak.lock()) self->answer(line, reply, result);
   };
   // A stop is carried out all the same, in this program's own name.
   if (call->effect == tmcl::Effect::stops && !users_->has_room_for(*call) && gateway_)
@@ -297,16 +340,17 @@ void Bridge::carry_out(Judged judged, tmcl::TimePoint now) {
   users_->call(std::move(*call), now, std::move(on_answer));
 }
 
-void Bridge::stop_axes(std::optional<ReplyTo> reply) {
-  if (!gateway_) return answer(reply, tl::unexpected(no_gateway()));
+void Bridge::stop_axes(Line& line, std::optional<ReplyTo> reply) {
+  if (!gateway_) return answer(line, reply, tl::unexpected(no_gateway()));
   gateway_->call(api::system::StopAll::method.name, {},
-                 [weak = weak_from_this(), reply](const Result<json::object>& result) {
-                   if (const auto self = weak.lock()) self->answer(reply, result);
+                 [weak = weak_from_this(), reply, &line](const Result<json::object>& result) {
+                   if (const auto self = weak.lock()) self->answer(line, reply, result);
                  });
 }
 
-void Bridge::answer(const std::optional<ReplyTo>& reply, const Result<json::object>& result) {
-  if (!reply || !broker_) return;
+void Bridge::answer(Line& line, const std::optional<ReplyTo>& reply,
+                    const Result<json::object>& result) {
+  if (!reply || !line.broker) return;
   json::object said;
   if (result) {
     said["result"] = *result;
@@ -315,9 +359,9 @@ void Bridge::answer(const std::optional<ReplyTo>& reply, const Result<json::obje
   }
   said["epoch"] = gate_.epoch();
   if (!reply->user.empty()) said["nonce"] = gate_.give_nonce(reply->user, now());
-  outbox_.add_answer(
+  line.outbox.add_answer(
       {.topic = reply->topic, .payload = tmcl::json_text(said), .correlation = reply->correlation});
-  flush();
+  flush(line);
 }
 
 }  // namespace tmclmqtt

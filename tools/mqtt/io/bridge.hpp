@@ -45,16 +45,29 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   /// What there is to be asked for and to be told of. Errors: those of tmcld.
   boost::asio::awaitable<tmcl::client::Result<void>> get_to_know(GatewayLink& link);
   void hear(std::string_view method, const boost::json::object& params);
-  boost::asio::awaitable<std::string> use_broker();
+  /// A connection to the broker, and what waits for it. Stops have one of their own: what fills
+  /// the other one, with calls or with answers, keeps none out.
+  struct Line {
+    std::shared_ptr<Broker> broker{};  ///< Null while there is none.
+    Outbox outbox{};
+  };
 
-  void take(Message message);
-  void carry_out(Judged judged, tmcl::TimePoint now);
-  void stop_axes(std::optional<ReplyTo> reply);
-  void answer(const std::optional<ReplyTo>& reply,
+  boost::asio::awaitable<std::string> use_broker();
+  /// Errors: why there is none.
+  boost::asio::awaitable<tl::expected<void, std::string>> connect(Line& line,
+                                                                  std::string_view client,
+                                                                  std::optional<Publication> will);
+  void disconnect();
+  void begin_on_broker();
+
+  void take(Line& line, const Message& message);
+  void carry_out(Line& line, Judged judged, tmcl::TimePoint now);
+  void stop_axes(Line& line, std::optional<ReplyTo> reply);
+  void answer(Line& line, const std::optional<ReplyTo>& reply,
               const tmcl::client::Result<boost::json::object>& result);
   void say_birth();
   void add_news(std::vector<Publication> news);
-  void flush();
+  void flush(Line& line);
   void log_often(std::string line);
   tmcl::TimePoint now() const { return clock_.now(); }
 
@@ -66,11 +79,11 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   Gate gate_;
   Births births_;
   AxisNews news_;
-  Outbox outbox_;
+  Line calls_;
+  Line stops_;
   std::shared_ptr<UserLinks> users_;
   std::shared_ptr<GatewayLink> gateway_;  ///< Of its own; null while tmcld is not there.
   std::vector<std::string> axes_;
-  std::shared_ptr<Broker> broker_;  ///< Null while there is none.
   tmcld::LogLimiter limiter_;
   bool connecting_ = false;
   bool stopping_ = false;

@@ -162,12 +162,14 @@ std::string MosquittoBroker::prepare() {
   if (client_ == nullptr) return "libmosquitto makes no client";
   ::mosquitto_int_option(client_, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
   ::mosquitto_int_option(client_, MOSQ_OPT_TCP_NODELAY, 1);
-  const auto& will = options_.will;
-  Properties of_will;
-  of_will.add_number(MQTT_PROP_WILL_DELAY_INTERVAL, will_delay_s);
-  int error =
-      ::mosquitto_will_set_v5(client_, will.topic.c_str(), static_cast<int>(will.payload.size()),
-                              will.payload.data(), will.qos, will.retained, of_will.release());
+  int error = MOSQ_ERR_SUCCESS;
+  if (const auto& will = options_.will) {
+    Properties of_will;
+    of_will.add_number(MQTT_PROP_WILL_DELAY_INTERVAL, will_delay_s);
+    error = ::mosquitto_will_set_v5(client_, will->topic.c_str(),
+                                    static_cast<int>(will->payload.size()), will->payload.data(),
+                                    will->qos, will->retained, of_will.release());
+  }
   const auto file = [](const std::string& path) { return path.empty() ? nullptr : path.c_str(); };
   if (error == MOSQ_ERR_SUCCESS && !options_.ca.empty()) {
     error = ::mosquitto_tls_set(client_, file(options_.ca), nullptr, file(options_.certificate),

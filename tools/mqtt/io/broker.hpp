@@ -27,7 +27,7 @@ struct BrokerOptions {
   std::string ca{};
   std::string certificate{};
   std::string key{};
-  Publication will;
+  std::optional<Publication> will{};
 };
 
 struct Subscribed {

@@ -40,6 +40,12 @@ Error refusal_of_retained() {
                  "publish calls without 'retain'; this one was taken off the broker");
 }
 
+Error too_often() {
+  return {"too_many_requests", ErrorKind::failed, tmcl::Outcome::not_sent,
+          "this user calls more often than 50 times a second: other calls were dropped, too",
+          "wait for answers before calling again"};
+}
+
 Error no_daemon() {
   return {std::string(tmcl::client::error_name::unreachable), ErrorKind::failed,
           tmcl::Outcome::not_sent, "tmcld is not there: the gateway has no axes now",
@@ -150,6 +156,9 @@ Judged Gate::judge_call(const CallTopic& topic, const Message& message, tmcl::Ti
     judged.must_be_cleared = true;
     return judged;
   }
+  const auto rate = stops ? CallRate::Verdict::pass : rate_.judge(topic.user, now);
+  if (rate == CallRate::Verdict::drop) return {};
+  if (rate == CallRate::Verdict::refuse) return refused(too_often(), std::move(reply));
   // What cannot be answered was not asked for by any client that follows the protocol.
   if (!reply && !stops) return {};
   if (topic.method == nonce_method) return {NonceWanted{}, std::move(reply)};

@@ -14,6 +14,7 @@
 #include <boost/json/object.hpp>
 
 #include "gateway/authority/gaps.hpp"
+#include "protocol/call_rate.hpp"
 #include "protocol/message.hpp"
 #include "protocol/nonces.hpp"
 #include "protocol/topics.hpp"
@@ -109,6 +110,7 @@ class Gate {
   std::string epoch_;
   std::map<std::string, tmcl::Effect, std::less<>> methods_;
   tmcld::Gaps gaps_;
+  CallRate rate_;
 };
 
 }  // namespace tmclmqtt
