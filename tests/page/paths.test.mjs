@@ -5,6 +5,7 @@ import { Bench, button, closeBrowser, open, seriousFindings, signIn, until } fro
 
 const square = "G21 G90\nF1200\nG1 X10 Y0\nG1 X10 Y10\nG1 X0 Y10\nM2\n";
 const longWay = "G21 G90\nF600\nG1 X150 Y0\nM2\n";
+const stairs = "G21 G90\nF1200\nG1 X10 Y0 Z0\nG1 X10 Y10 Z4\nG1 X0 Y10 Z8\nM2\n";
 const elsewhere = "t,a,b\n0,0,0\n1,4,0\n2,4,3\n";
 const html = '<img src="x" onerror="document.title = 1">.ngc';
 
@@ -95,6 +96,58 @@ describe("a path on the page", () => {
     assert.ok(await button(page, "Run").isDisabled(), "a plan is run once");
     assert.equal(await page.locator("circle.farthest").count(), 1);
     assert.ok((await page.locator("path.seen").getAttribute("d")).split("M").length > 5, "dots where they were seen");
+  });
+
+  it("is drawn in space, turned by pointer and keys, with the place of the axes", async () => {
+    await choose("stairs.ngc", stairs);
+    const picture = page.getByRole("img", { name: /^The path in space, by X, Y, Z/ });
+    const look = async () => Number(await picture.getAttribute("data-turn")) + 1000 * Number(await picture.getAttribute("data-tilt"));
+    // Where the canvas has the colour of the disc that stands for the axes; nothing where it has less than a dot of it.
+    const tool = () =>
+      picture.evaluate((canvas) => {
+        const { data, width } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        const wanted = getComputedStyle(canvas).fill.match(/\d+/g).map(Number);
+        let [count, x, y] = [0, 0, 0];
+        for (let at = 0; at < data.length; at += 4) {
+          if (data[at + 3] < 255 || wanted.some((part, index) => Math.abs(data[at + index] - part) > 2)) continue;
+          [count, x, y] = [count + 1, x + ((at / 4) % width), y + Math.floor(at / 4 / width)];
+        }
+        return count > 20 ? [x / count, y / count] : null;
+      });
+    const before = await until("the place of the axes", tool);
+    await bench.call("axis.move_to", { axis: "z", position: 8 });
+    const risen = await until("the place follows", async () => {
+      const now = await tool();
+      return now && before[1] - now[1] > 20 && now;
+    });
+    assert.ok(Math.abs(risen[0] - before[0]) < 2, "z goes up in the picture, and not aside");
+    await bench.stands("z");
+
+    const first = await look();
+    await page.getByRole("group", { name: /the arrow keys turn it/ }).focus();
+    await page.keyboard.press("ArrowRight");
+    await until("it is turned by a key", async () => (await look()) - first === 5);
+    await page.keyboard.press("ArrowUp");
+    await until("it is tilted by a key", async () => (await look()) - first === 5005);
+    for (let presses = 0; presses < 20; ++presses) await page.keyboard.press("ArrowUp");
+    await until("from above at most", async () => (await picture.getAttribute("data-tilt")) === "90");
+    const fromAbove = await until("the place of the axes from above", tool);
+    const beforeDrag = await look();
+    const { x, y } = await picture.boundingBox();
+    await page.mouse.move(x + 60, y + 60);
+    await page.mouse.down();
+    await page.mouse.move(x + 160, y + 60, { steps: 5 });
+    await page.mouse.up();
+    await until("it is turned by the pointer", async () => (await look()) - beforeDrag >= 40);
+    await until("the place has turned with it", async () => {
+      const now = await tool();
+      return now && Math.hypot(now[0] - fromAbove[0], now[1] - fromAbove[1]) > 20;
+    });
+    const turned = await look();
+    await page.mouse.move(x + 60, y + 60);
+    assert.equal(await look(), turned, "a pointer that is not down turns nothing");
+    await button(page, "Turn it back").click();
+    await until("it is as it was", async () => (await look()) === first);
   });
 
   it("stands when it is held, goes on, faster, and ends when it is stopped", async () => {

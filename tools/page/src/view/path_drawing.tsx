@@ -1,8 +1,8 @@
 import { useState } from "preact/hooks";
-import { axes } from "../bench";
 import { passage, type Plan } from "../path_job";
 import { texts } from "../texts";
-import { numberText, positionOf } from "./number_text";
+import { numberText } from "./number_text";
+import { placeOnPath } from "./place_on_path";
 
 const margin = 0.06;
 const sizeOfMark = 0.012;
@@ -15,7 +15,7 @@ export function PathDrawing({ plan }: { plan: Plan }) {
   if (!plan.curve) return null;
   const frame = frameOf(plan, across, up);
   const at = (position: (number | null)[]) => [position[across] ?? 0, -(position[up] ?? 0)] as const;
-  const tool = plan.axes.map(placeOf);
+  const tool = plan.axes.map(placeOnPath);
   const [toolX, toolY] = at(tool);
   const [startX, startY] = at(plan.curve.positions[0] ?? []);
   const mark = frame.size * sizeOfMark;
@@ -63,12 +63,6 @@ function Side({ label, names, chosen, onChange }: SideOf) {
       </select>
     </label>
   );
-}
-
-/** Of an axis without a unit the plan has another measure. */
-function placeOf(name: string): number | null {
-  const axis = axes.value.find((one) => one.info.name === name);
-  return axis?.units?.unit ? positionOf(axis) : null;
 }
 
 function frameOf(plan: Plan, across: number, up: number): { viewBox: string; size: number } {

@@ -6,6 +6,7 @@ import { paths, watchPaths } from "../path_status";
 import { texts } from "../texts";
 import { MintForm } from "./mint_form";
 import { PathDrawing } from "./path_drawing";
+import { PathInSpace } from "./path_in_space";
 import { PathFileForm } from "./path_file_form";
 import { PathForm } from "./path_form";
 import { PathSteering } from "./path_steering";
@@ -26,7 +27,10 @@ export function Paths() {
       {outcome.value && <p class="good" role="status">{outcome.value}</p>}
       {plan.value && kind.value !== "mint" && (
         <>
-          <PathDrawing plan={plan.value} />
+          <div class="drawings">
+            <PathDrawing plan={plan.value} />
+            <PathInSpace plan={plan.value} />
+          </div>
           <PathTables plan={plan.value} />
         </>
       )}
