@@ -238,8 +238,54 @@ describe("the scope", () => {
     const difference = (label) => table.getByRole("row", { name: label }).locator("td").last().textContent();
     assert.equal(Number(await difference(/^x position/)), Number((5 - rows[1][1]).toFixed(4)));
     assert.equal(Number(await difference(/^Time in s/)), Number((rows.at(-1)[0] - rows[1][0]).toFixed(4)));
-    await page.locator(".plot .u-over").click({ position: { x: 20, y: 20 } });
+    await page.locator(".plot .u-over").first().click({ position: { x: 20, y: 20 } });
     assert.equal(await page.getByLabel("Cursor B at").inputValue(), "");
+  });
+
+  it("shows ahead of now what the twin of an axis will do, and beneath how far it is off that", async () => {
+    await trace("position");
+    const differences = page.locator(".plot .uplot").nth(1);
+    // How often a line in the colour of the trace begins, from left to right: a dotted one does so again and again.
+    const pieces = () =>
+      page.locator(".plot canvas").first().evaluate((canvas) => {
+        const { data, width, height } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+        const isLine = (at) => [0x2f, 0x9e, 0x6e].every((part, byte) => Math.abs(data[at + byte] - part) < 60) && data[at + 3] > 128;
+        let [count, was] = [0, false];
+        for (let x = 0; x < width; ++x) {
+          let is = false;
+          for (let y = 0; y < height; ++y) is ||= isLine(4 * (y * width + x));
+          if (is && !was) ++count;
+          was = is;
+        }
+        return count;
+      });
+    // It is asked for its ramp while it stands.
+    await until("rows", async () => (await saved()).length > 50);
+    assert.equal(await differences.count(), 0);
+    await move(page, "x", "60");
+    await until("a dotted line", async () => (await pieces()) > 15);
+    assert.ok((await bench.state("x")).moving, "what is to come is shown before it has come");
+    await differences.waitFor();
+    await bench.stands("x");
+    await until("nothing is ahead", async () => (await pieces()) < 5);
+    // Where the pointer is, the value is told.
+    const { width } = await differences.locator(".u-over").boundingBox();
+    const told = () => differences.locator(".u-legend .u-value").nth(1).textContent();
+    await until("a difference", async () => {
+      for (let x = 5; x < width; x += 20) {
+        await differences.locator(".u-over").hover({ position: { x, y: 20 } });
+        if (/\d/.test(await told())) return true;
+      }
+      return false;
+    });
+    assert.ok(Math.abs(Number((await told()).replace("\u2212", "-"))) < 2, `${await told()} of 60 mm`);
+
+    await button(page, "Forecast").click();
+    await until("no differences", async () => (await differences.count()) === 0);
+    await move(page, "x", "20");
+    await bench.moves("x");
+    await bench.stands("x");
+    assert.equal(await differences.count(), 0);
   });
 
   it("says which parameter there is not", async () => {

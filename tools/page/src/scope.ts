@@ -1,6 +1,7 @@
 // What the scope records: a row whenever a state comes, with the latest value of each trace.
 import { effect, signal } from "@preact/signals";
 import { axes, call, isConnected, stateListeners, type StateTold } from "./bench";
+import { followState, foreseen, forecasts, forgetForecasts, type Forecast } from "./forecast";
 import { textOf } from "./rpc";
 
 export interface Trace {
@@ -22,8 +23,10 @@ type Column = (number | null)[];
 /** Called after each row. */
 export const newRow = new Set<() => void>();
 
-/** The times, in seconds, then a column for each trace: of at most so many rows. */
-export const rows: { times: number[]; columns: Column[] } = { times: [], columns: [] };
+/** The times, in seconds, then a column for each trace, and how far that is off what was foreseen: of at most so many rows. */
+export const rows: { times: number[]; columns: Column[]; differences: Column[] } = { times: [], columns: [], differences: [] };
+/** Whether there is a difference to show. */
+export const hasForecast = signal(false);
 const mostRows = 10_000;
 // So many go at once: to move the others costs more than to keep these.
 const oldRows = 1000;
@@ -65,6 +68,9 @@ export function startScope(): void {
     if (wanted.length > 0 || location.hash) history.replaceState(null, "", hashOf(wanted));
     rows.times = [];
     rows.columns = wanted.map(() => []);
+    rows.differences = wanted.map(() => []);
+    hasForecast.value = false;
+    forgetForecasts();
     firstMs = null;
     if (isConnected.value) void subscribe(wanted);
   });
@@ -98,8 +104,32 @@ function record(state: StateTold): void {
     const column = rows.columns[index]!;
     column.push(trace.axis === state.axis ? valueOf(trace, state) : (column[last] ?? null));
   });
-  if (rows.times.length >= mostRows + oldRows) for (const column of [rows.times, ...rows.columns]) column.splice(0, oldRows);
+  followState(state, (forecast) => compare(forecast, state.subscription));
+  traces.peek().forEach((trace, index) => rows.differences[index]!.push(differenceOf(trace, index, rows.times.length - 1, forecasts.get(trace.axis))));
+  if (rows.times.length >= mostRows + oldRows)
+    for (const column of [rows.times, ...rows.columns, ...rows.differences]) column.splice(0, oldRows);
   for (const listener of newRow) listener();
+}
+
+/** In seconds of the recording. */
+export const secondsOf = (eventMs: number) => (eventMs - (firstMs ?? 0)) / 1000;
+
+/** What was recorded since the move has begun, before it was foreseen. */
+function compare(forecast: Forecast, of: number): void {
+  if (of !== subscription) return;
+  hasForecast.value = true;
+  const begin = secondsOf(forecast.beginMs);
+  traces.peek().forEach((trace, index) => {
+    if (trace.axis !== forecast.axis) return;
+    for (let row = rows.times.length - 1; row >= 0 && rows.times[row]! >= begin; --row)
+      rows.differences[index]![row] = differenceOf(trace, index, row, forecast);
+  });
+}
+
+function differenceOf(trace: Trace, index: number, row: number, forecast: Forecast | undefined): number | null {
+  const is = rows.columns[index]![row];
+  const twin = forecast ? foreseen(forecast, trace.value, (firstMs ?? 0) + rows.times[row]! * 1000) : null;
+  return is == null || twin === null ? null : is - twin;
 }
 
 function valueOf(trace: Trace, state: StateTold): number | null {

@@ -1,8 +1,10 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { axes } from "../bench";
+import { forgetForecasts, isForecasting } from "../forecast";
 import {
   addTrace,
   csv,
+  hasForecast,
   isPaused,
   mostTraces,
   removeTrace,
@@ -82,6 +84,11 @@ function AddTrace() {
 }
 
 function Controls() {
+  const forecast = (isWanted: boolean) => {
+    isForecasting.value = isWanted;
+    forgetForecasts();
+    if (!isWanted) hasForecast.value = false;
+  };
   const save = () => saveFile("scope.csv", csv(texts.time), "text/csv");
   return (
     <div class="row">
@@ -97,6 +104,9 @@ function Controls() {
         </select>
       </label>
       <button onClick={save}>{texts.saveCsv}</button>
+      <button aria-pressed={isForecasting.value} title={texts.forecastHelp} onClick={() => forecast(!isForecasting.value)}>
+        {texts.forecast}
+      </button>
     </div>
   );
 }

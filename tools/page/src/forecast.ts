@@ -1,0 +1,136 @@
+// What traced axes will do: a move from rest as the twin of the axis makes it, which tmcld computes.
+import { signal } from "@preact/signals";
+import { call, type StateTold } from "./bench";
+import type { Answer } from "./rpc";
+
+type Ramp = Answer<"axis.get_ramp">;
+
+/** One move of an axis; positions and velocities are as the traces of the axis have them. */
+export interface Forecast {
+  axis: string;
+  targetMicrosteps: number;
+  /** When it began, by the clock of tmcld. */
+  beginMs: number;
+  /** From there, in seconds. */
+  times: number[];
+  positions: number[];
+  velocities: number[];
+}
+
+export const isForecasting = signal(true);
+/** The last move of each axis, by its name. */
+export const forecasts = new Map<string, Forecast>();
+
+const points = 1000;
+// While it stands its settings may change: they are asked for again.
+const askRampEveryMs = 1000;
+
+interface Known {
+  state: StateTold;
+  ramp: Ramp | null;
+  askedAt: number;
+}
+/** Of each axis that stands. */
+const atRest = new Map<string, Known>();
+const targets = new Map<string, number>();
+
+export function forgetForecasts(): void {
+  forecasts.clear();
+  atRest.clear();
+  targets.clear();
+}
+
+/** Of each state that the scope is told; `onNew` when a move that has begun is foreseen. */
+export function followState(state: StateTold, onNew: (forecast: Forecast) => void): void {
+  if (!isForecasting.peek()) return;
+  const { axis, target_microsteps: target } = state;
+  targets.set(axis, target);
+  if (forecasts.get(axis)?.targetMicrosteps !== target) forecasts.delete(axis);
+  const known = atRest.get(axis);
+  // One that has its target and does not move yet is about to.
+  const isAboutToMove = known !== undefined && known.state.target_microsteps !== target && !state.position_reached;
+  if (!state.moving && !isAboutToMove) return rest(state);
+  if (!state.moving || !known) return;
+  atRest.delete(axis);
+  if (known.ramp) void foresee(known.state, state, known.ramp, onNew);
+}
+
+function rest(state: StateTold): void {
+  const known = atRest.get(state.axis);
+  const isSoon = known && performance.now() - known.askedAt < askRampEveryMs;
+  const next = { state, ramp: known?.ramp ?? null, askedAt: isSoon ? known.askedAt : performance.now() };
+  atRest.set(state.axis, next);
+  if (isSoon) return;
+  call("axis.get_ramp", { axis: state.axis }).then(
+    (ramp) => {
+      const now = atRest.get(state.axis);
+      if (now) now.ramp = ramp;
+    },
+    () => {}, // it has begun to move, or its ramps are not described
+  );
+}
+
+/** The target is another one than that where it stood: otherwise something else turns it. */
+async function foresee(before: StateTold, now: StateTold, ramp: Ramp, onNew: (forecast: Forecast) => void): Promise<void> {
+  const way = now.target_microsteps - before.position_microsteps;
+  if (way === 0 || now.target_microsteps === before.target_microsteps) return;
+  try {
+    const { curve } = await call("profile.simulate", {
+      model: ramp.model,
+      parameters: ramp.settings.map((one) => String(one.number)),
+      values: ramp.settings.map((one) => one.value),
+      distance_microsteps: way,
+      points,
+    });
+    if (!curve) return;
+    if (targets.get(now.axis) !== now.target_microsteps) return;
+    const forecast = forecastOf(before, now, curve);
+    forecasts.set(now.axis, forecast);
+    onNew(forecast);
+  } catch {
+    // Its ramps are not described.
+  }
+}
+
+function forecastOf(before: StateTold, now: StateTold, curve: NonNullable<Answer<"profile.simulate">["curve"]>): Forecast {
+  const hasUnit = now.unit !== null && before.position !== null && now.target !== null;
+  const way = now.target_microsteps - before.position_microsteps;
+  const scale = hasUnit ? (now.target! - before.position!) / way : 1;
+  const origin = hasUnit ? before.position! : before.position_microsteps;
+  // It has begun when its twin would have to be where it was seen first.
+  const seenAt = now.position_microsteps - before.position_microsteps;
+  const onTheWay = curve.positions_microsteps.findIndex((one) => Math.abs(one) >= Math.abs(seenAt));
+  return {
+    axis: now.axis,
+    targetMicrosteps: now.target_microsteps,
+    beginMs: now.event_time_ms - 1000 * (onTheWay < 0 ? 0 : crossing(curve.times_s, curve.positions_microsteps, onTheWay, seenAt)),
+    times: curve.times_s,
+    positions: curve.positions_microsteps.map((one) => origin + one * scale),
+    velocities: curve.velocities_pps.map((one) => one * scale),
+  };
+}
+
+/** When the way between two points of a curve, the second of them at `index`, is so far. */
+function crossing(times: number[], ways: number[], index: number, way: number): number {
+  const [to, end] = [ways[index]!, times[index]!];
+  const [from, begin] = [ways[index - 1] ?? to, times[index - 1] ?? end];
+  return from === to ? end : begin + ((end - begin) * (way - from)) / (to - from);
+}
+
+/** Of position or velocity; null before the move and after it, and for other values. */
+export function foreseen(forecast: Forecast, value: string, atMs: number): number | null {
+  const values = valuesOf(forecast, value);
+  const { times } = forecast;
+  const seconds = (atMs - forecast.beginMs) / 1000;
+  const end = times[times.length - 1] ?? 0;
+  if (!values || seconds < 0 || seconds > end || end === 0) return null;
+  // They are spread evenly.
+  const place = (seconds / end) * (times.length - 1);
+  const index = Math.min(Math.floor(place), times.length - 2);
+  return values[index]! + (values[index + 1]! - values[index]!) * (place - index);
+}
+
+export function valuesOf(forecast: Forecast, value: string): number[] | null {
+  if (value === "position") return forecast.positions;
+  return value === "velocity" ? forecast.velocities : null;
+}
