@@ -29,7 +29,9 @@ class LocalPeer final : public Peer {
   LocalPeer(std::shared_ptr<Gateway> gateway, std::shared_ptr<bool> news)
       : gateway_(std::move(gateway)),
         client_(gateway_->add_client("process " + std::to_string(::getpid()))),
-        notifications_(gateway_, [news = std::move(news)] { *news = true; }) {}
+        notifications_(gateway_, [news = std::move(news)] { *news = true; }),
+        entry_(ClientList::enter(gateway_->clients(), client_, gateway_->clock().now(),
+                                 [this] { return look(); })) {}
 
   void notify(std::string_view method, boost::json::object params) override {
     if (!is_gone_) notifications_.push(method, std::move(params));
@@ -41,6 +43,7 @@ class LocalPeer final : public Peer {
   std::optional<Notification> take() { return notifications_.take(); }
   void leave() {
     if (std::exchange(is_gone_, true)) return;
+    entry_.leave();
     notifications_.end();
     gateway_->remove_client(client_.number);
   }
@@ -48,10 +51,20 @@ class LocalPeer final : public Peer {
   int calls_in_progress = 0;
 
  private:
+  ConnectedClient look() const {
+    ConnectedClient now{"process"};
+    now.uid = ::geteuid();
+    now.pid = ::getpid();
+    now.role = caller().role;
+    now.requests = static_cast<std::size_t>(calls_in_progress);
+    return now;
+  }
+
   std::shared_ptr<Gateway> gateway_;
   Client client_;
   Notifications notifications_;
   bool is_gone_ = false;
+  ClientList::Entry entry_;
 };
 
 namespace {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "api/client_handlers.hpp"
 #include "api/comparison_handlers.hpp"
 #include "api/doctor_handlers.hpp"
 #include "api/handlers.hpp"
@@ -70,6 +71,8 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::list_tokens>(configure),
     method<handlers::invite_by_token>(configure),
     method<handlers::revoke_token>(configure),
+    method<handlers::list_clients>(configure),
+    method<handlers::tail_audit>(configure),
     method<handlers::find_page>(observe),
     method<handlers::speak_for>(stop),
     method<handlers::move_line>(operate),

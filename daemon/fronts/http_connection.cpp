@@ -350,7 +350,7 @@ class StreamConnection final : public HttpConnection,
       co_return false;
     }
     const bool has_place = connections_->let_in(id_);
-    begin_session(*entry, has_place ? Session::Serves::all : Session::Serves::stops);
+    begin_session(*entry, "http", has_place ? Session::Serves::all : Session::Serves::stops);
     if (session_->is_finishing()) {
       const auto refusal = ending();
       co_await wire_.refuse(refusal);
@@ -364,7 +364,7 @@ class StreamConnection final : public HttpConnection,
   }
 
   /// The calls of a connection are of one client, as long as it comes with the same token.
-  void begin_session(const HttpEntry& entry, Session::Serves serves) {
+  void begin_session(const HttpEntry& entry, const char* door, Session::Serves serves) {
     if (session_ && !session_->is_closed() && is_of(entry)) return;
     if (session_) session_->close();
     token_ = entry.token;
@@ -375,6 +375,9 @@ class StreamConnection final : public HttpConnection,
       return connections->caller_by(token, sign_in);
     };
     options.name = entry.name;
+    options.door = door;
+    options.address = info_.peer;
+    options.token = entry.token;
     options.serves = serves;
     const std::weak_ptr<StreamConnection> weak = weak_from_this();
     session_ = std::make_shared<HttpSession>(
@@ -454,7 +457,7 @@ class StreamConnection final : public HttpConnection,
       co_await socket.async_close(farewell_, redirect_error(use_awaitable, error));
       co_return;
     }
-    begin_session(*still, Session::Serves::all);
+    begin_session(*still, "websocket", Session::Serves::all);
     session_->greet();
     if (is_finishing_) session_->finish();
     const auto self = shared_from_this();

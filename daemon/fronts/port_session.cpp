@@ -33,14 +33,27 @@ std::string reason_of(const tmcl::Error& error) {
 }  // namespace
 
 PortSession::PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& config,
-                         std::string name, Output output, std::function<void()> disconnect)
+                         std::string name, Output output, std::function<void()> disconnect,
+                         std::string address)
     : gateway_(std::move(gateway)),
       bus_(bus_named(*gateway_, config.bus)),
       name_(std::move(name)),
       output_(std::move(output)),
       disconnect_(std::move(disconnect)),
-      conduct_(gateway_, bus_, config.role, gateway_->add_client(name_)),
-      asked_(bus_->executor()) {}
+      address_(std::move(address)),
+      role_(config.role),
+      client_(gateway_->add_client(name_)),
+      conduct_(gateway_, bus_, role_, client_),
+      asked_(bus_->executor()),
+      entry_(ClientList::enter(gateway_->clients(), client_, gateway_->clock().now(),
+                               [this] { return look(); })) {}
+
+ConnectedClient PortSession::look() const {
+  ConnectedClient now{"port", address_};
+  now.role = role_;
+  now.requests = pending_.size();
+  return now;
+}
 
 void PortSession::start() {
   listener_ = gateway_->on_event([weak = weak_from_this()](const GatewayEvent& event) {
@@ -52,6 +65,7 @@ void PortSession::start() {
 
 void PortSession::close() {
   if (std::exchange(closed_, true)) return;
+  entry_.leave();
   gateway_->ignore_events(listener_);
   give_up_tries();
   pending_.clear();

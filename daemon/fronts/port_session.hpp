@@ -20,6 +20,7 @@
 #include "async/wake.hpp"
 #include "fronts/port_conduct.hpp"
 #include "fronts/port_rules.hpp"
+#include "gateway/authority/client_list.hpp"
 
 namespace tmcld {
 
@@ -36,9 +37,9 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   using Output = std::function<void(const Told& told, CanForm form)>;
 
   /// `name` of the host, for people: "port a". `disconnect`: this session serves no host any more,
-  /// since it has failed.
+  /// since it has failed. `address` of the host in the network; empty: it is on this computer.
   PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& config, std::string name,
-              Output output, std::function<void()> disconnect);
+              Output output, std::function<void()> disconnect, std::string address = {});
 
   void start();
   const GatewayBus& bus() const { return *bus_; }
@@ -65,6 +66,7 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   };
   using AskedPtr = std::shared_ptr<Asked>;
 
+  ConnectedClient look() const;
   void take(const tmcl::Request& request, CanForm form);
   static boost::asio::awaitable<void> serve(std::shared_ptr<PortSession> self);
   static boost::asio::awaitable<void> serve_one(std::shared_ptr<PortSession> self, AskedPtr asked);
@@ -88,6 +90,9 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   std::string name_;
   Output output_;
   std::function<void()> disconnect_;
+  std::string address_;
+  Role role_;
+  Client client_;
   PortConduct conduct_;
   Wake asked_;
   std::deque<AskedPtr> pending_;
@@ -98,6 +103,7 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   std::map<tmcl::ModuleAddress, bool> wants_arrivals_;
   std::uint64_t listener_ = 0;
   bool closed_ = false;
+  ClientList::Entry entry_;
 };
 
 }  // namespace tmcld

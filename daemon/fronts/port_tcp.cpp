@@ -48,7 +48,8 @@ class Host : public std::enable_shared_from_this<Host> {
         },
         [weak = self->weak_from_this()] {
           if (const auto host = weak.lock()) host->close();
-        });
+        },
+        self->peer());
     const auto stream = std::make_shared<PortStream>(
         session, self->socket_.get_executor(), [weak = self->weak_from_this()] {
           const auto host = weak.lock();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -65,8 +66,25 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       role_(caller_().role),
       exceeds_limits_(caller_().exceeds_limits),
       client_(gateway_->add_client(std::move(options.name))),
+      door_(std::move(options.door)),
+      address_(std::move(options.address)),
+      token_(std::move(options.token)),
       output_(executor_),
-      notifications_(gateway_, [this] { output_.notify(); }) {}
+      notifications_(gateway_, [this] { output_.notify(); }),
+      entry_(ClientList::enter(gateway_->clients(), client_, gateway_->clock().now(),
+                               [this] { return look(); })) {}
+
+ConnectedClient Session::look() const {
+  const auto caller = caller_();
+  ConnectedClient now{door_, address_, token_};
+  // Who comes from the network is no process of this computer, as far as is known.
+  const bool is_process = caller.credentials.pid != 0;
+  if (is_process) now.uid = caller.credentials.uid;
+  if (is_process) now.pid = caller.credentials.pid;
+  now.role = serves_ == Serves::stops ? Role::stop : caller.role;
+  now.requests = std::accumulate(in_flight_.begin(), in_flight_.end(), std::size_t{0});
+  return now;
+}
 
 void Session::greet() {
   const auto greeting = hello(serves_, is_in_virtual_time(executor_));
@@ -80,6 +98,7 @@ void Session::finish() {
 
 void Session::close() {
   if (std::exchange(closed_, true)) return;
+  entry_.leave();
   notifications_.end();
   waiting_.clear();
   std::exception_ptr failure;

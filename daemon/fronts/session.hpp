@@ -24,6 +24,7 @@
 #include "async/wake.hpp"
 #include "fronts/front_share.hpp"
 #include "fronts/outbox.hpp"
+#include "gateway/authority/client_list.hpp"
 #include "gateway/gateway.hpp"
 
 namespace tmcld {
@@ -52,7 +53,10 @@ class Session : public Peer,
     std::shared_ptr<FrontShare> share = std::make_shared<FrontShare>();
     /// Worked out for each call: the configuration may have changed since it connected.
     std::function<Caller()> caller = [] { return Caller{}; };
-    std::string name{};  ///< As others are told of it.
+    std::string name{};           ///< As others are told of it.
+    std::string door = "socket";  ///< As in ConnectedClient, as are these.
+    std::string address{};
+    std::string token{};
     Serves serves = Serves::all;
     std::function<void()> on_closed = [] {};
   };
@@ -116,6 +120,7 @@ class Session : public Peer,
 
   static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
 
+  ConnectedClient look() const;
   void take_message(std::optional<std::string_view> message);
   void log_call(const std::string& text, const Result<boost::json::object>& result,
                 tmcl::Duration took);
@@ -136,6 +141,9 @@ class Session : public Peer,
   bool exceeds_limits_;
   Client client_;
   std::optional<RelayedUser> relayed_user_;
+  std::string door_;
+  std::string address_;
+  std::string token_;
   Outbox outbox_;
   Wake output_;
   Notifications notifications_;
@@ -143,6 +151,7 @@ class Session : public Peer,
   std::array<std::size_t, 3> in_flight_{};  ///< By lane.
   bool finishing_ = false;
   bool closed_ = false;
+  ClientList::Entry entry_;
 };
 
 }  // namespace tmcld

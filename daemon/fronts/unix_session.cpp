@@ -33,7 +33,13 @@ Session::Options options_of(UnixSession::Socket& socket, std::shared_ptr<Gateway
   auto caller = [credentials = std::move(credentials), gateway] {
     return caller_with(credentials, gateway->access());
   };
-  return {std::move(share), std::move(caller), std::move(name), serves, std::move(on_closed)};
+  Session::Options options;
+  options.share = std::move(share);
+  options.caller = std::move(caller);
+  options.name = std::move(name);
+  options.serves = serves;
+  options.on_closed = std::move(on_closed);
+  return options;
 }
 
 }  // namespace

@@ -34,6 +34,8 @@ tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config) {
 std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& executor,
                                          const Config& config, GatewayOptions options) {
   std::shared_ptr<Gateway> gateway(new Gateway(executor, std::move(options)));
+  auto& audit = gateway->options_.audit;
+  audit = kept_in(gateway->audit_memory_, gateway->clock_, std::move(audit));
   const auto& own = gateway->options_;
   gateway->deadmen_ = DeadmanMemory::open(own.deadmen, own.log);
   const auto stop = [weak = std::weak_ptr(gateway)](const std::shared_ptr<GatewayAxis>& axis) {

@@ -14,6 +14,7 @@
 #include <boost/asio/any_io_executor.hpp>
 
 #include "config/config.hpp"
+#include "gateway/authority/client_list.hpp"
 #include "gateway/authority/leases.hpp"
 #include "gateway/axis/axis.hpp"
 #include "gateway/bus.hpp"
@@ -22,6 +23,7 @@
 #include "gateway/module/deadman_memory.hpp"
 #include "gateway/module/upload_buffer.hpp"
 #include "log/audit.hpp"
+#include "log/audit_memory.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
 
@@ -68,6 +70,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   const tmcl::ContextClock& clock() const { return clock_; }
   const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }
+  /// Who is connected, as far as fronts have said so.
+  const std::shared_ptr<ClientList>& clients() const { return clients_; }
   /// A client has come, which has its number until it leaves.
   Client add_client(std::string name = {});
   /// As leases that it acquires from now on, and the audit, name it.
@@ -149,6 +153,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   void log(LogLevel level, std::string_view line) const { options_.log(level, line); }
   void audit(AuditEntry entry) const { options_.audit(std::move(entry)); }
+  /// The last lines of it.
+  const AuditMemory& audit_memory() const { return *audit_memory_; }
   /// A line that clients may be able to bring about as often as they like: not more of one cause
   /// than a LogLimiter allows.
   void log_often(std::string_view cause, LogLevel level, std::string line);
@@ -186,6 +192,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::map<std::uint64_t, std::string> client_names_;
+  std::shared_ptr<ClientList> clients_ = std::make_shared<ClientList>();
+  std::shared_ptr<AuditMemory> audit_memory_ = std::make_shared<AuditMemory>();
   std::shared_ptr<Leases> leases_;
   std::shared_ptr<Journal> journal_;  ///< Null if none is kept.
   std::shared_ptr<DeadmanMemory> deadmen_;

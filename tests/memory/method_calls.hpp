@@ -71,6 +71,8 @@ inline const std::vector<MethodCall> all{
     {"token.revoke",
      R"({"name":"other"})",
      {{"token.add", R"({"role":"operate","name":"other"})"}}},
+    {"client.list"},
+    {"audit.tail", R"({"lines":3,"after":0})", {{"axis.stop", y}}},
     {"page.find"},
     {"speak_for", R"({"user":"anna","role":"observe"})", {}, {}, false, false, true},
     {"line.move", R"({"axes":["y","z"],"positions_microsteps":[2000,-500]})", {}, {1, 2}},

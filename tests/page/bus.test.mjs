@@ -148,11 +148,28 @@ describe("who asks on a bus", () => {
     await table(/^Who has asked on bench/).getByRole("row", { name: /^token 'chief' from 127.0.0.1\S* configure/ }).waitFor();
   });
 
+  it("is shown with what was done, and by whom", async () => {
+    await signIn(page, await bench.token("configure", "chief"));
+    const connected = table("Who is connected");
+    await connected.getByRole("row", { name: /^token 'chief' from 127.0.0.1\S* WebSocket configure chief/ }).waitFor();
+    const leasing = await clientWith("lease.acquire", { axes: ["y", "z"], ttl_ms: 60000 });
+    await connected.getByRole("row", { name: /^process \d+ of user \d+ socket configure – y, z/ }).waitFor();
+    leasing.destroy();
+    await until("it has gone", async () => (await connected.getByText(/^process/).count()) === 0);
+    const audit = table(/^Audit/);
+    await bench.call("axis.stop", { axis: "y" });
+    await audit.getByRole("row", { name: /process \d+ of user \d+ method=axis.stop params={"axis":"y"} outcome=done/ }).first().waitFor();
+    await button(page, "Stop all").click();
+    await until("the newest is the first", async () =>
+      (await rowsOf(audit).first().textContent()).includes(`client="token 'chief' from`));
+    assert.equal(await rowsOf(audit).first().locator("td").nth(2).textContent(), "–");
+  });
+
   it("is shown without tokens to a guest", async () => {
     await signIn(page, await bench.token("observe", "guest"));
     await button(page, "Examine").click();
     await table(/^Who has asked on bench/).getByRole("row", { name: /^token 'guest' from/ }).waitFor();
-    assert.equal(await table("Tokens").count(), 0);
+    for (const name of ["Tokens", "Who is connected", /^Audit/]) assert.equal(await table(name).count(), 0);
     assert.equal(await page.getByRole("alert").count(), 0);
   });
 });
@@ -168,13 +185,16 @@ describe("names on a bus", () => {
     await page.routeWebSocket("**/ws", (socket) => {
       const tmcld = socket.connectToServer();
       socket.onMessage((text) => tmcld.send(text.replaceAll(name, '"bench"')));
-      tmcld.onMessage((text) => socket.send(text.replaceAll('"bench"', name).replace(/"(client|text|cure)":"[^"]*"/g, `"$1":${name}`)));
+      tmcld.onMessage((text) => socket.send(text.replaceAll('"bench"', name).replace(/"(client|text|cure|token|door)":"(?:[^"\\]|\\.)*"/g, `"$1":${name}`)));
     });
     await page.goto(`${bench.url}/?tab=bus`);
     await page.getByRole("table", { name: `Trace of ${html}` }).getByText(html).first().waitFor();
     await table("Buses").getByText(html).waitFor();
     await button(page, "Examine").click();
     await table("Findings").getByText(html).first().waitFor();
+    await bench.call("axis.stop", { axis: "x" });
+    await table("Who is connected").getByText(html).first().waitFor();
+    await table(/^Audit/).getByText(html).first().waitFor();
     assert.equal(await page.locator("img").count(), 0);
     assert.equal(await page.title(), "tmcld");
   });

@@ -1,5 +1,6 @@
 // What goes over a bus, datagram by datagram, for as long as it is watched.
 import { call } from "./bench";
+import { clockText } from "./clock_text";
 import { textOf, type Answer } from "./rpc";
 import { texts } from "./texts";
 import { meaningOf } from "./tmcl";
@@ -53,7 +54,7 @@ function extended(trace: Trace, answer: Answer<"bus.trace">, hasBegun: boolean):
 
 function traced(told: Told): Traced {
   const meaning = meaningOf(told);
-  const time = new Date(told.utc_us / 1000).toISOString().slice(11, 23);
+  const time = clockText(told.utc_us);
   const direction = texts.directions[told.direction] ?? told.direction;
   const words = [told.number, time, direction, told.client ?? texts.daemonItself, told.bytes, meaning].join(" ").toLowerCase();
   return { ...told, time, meaning, words };

@@ -649,6 +649,63 @@ export interface Methods {
     };
     result: Record<string, never>;
   };
+  /** who is connected, by which door, with which role */
+  "client.list": {
+    params: Record<string, never>;
+    result: {
+      /** who is connected; who came first is first */
+      clients: {
+        /** who it is, as other methods tell it */
+        client: string;
+        /** by which it came: socket; http or websocket; port, where hosts speak TMCL; process, that of the gateway itself */
+        door: string;
+        /** where it is; null: on this computer */
+        address: string | null;
+        /** number of its user; null: not of this computer */
+        uid: number | null;
+        /** its process; null: not of this computer */
+        pid: number | null;
+        /** name of the token that let it in; null: none did */
+        token: string | null;
+        /** what it may do: stop, observe, operate or configure */
+        role: string;
+        /** those that it has leased */
+        axes: string[];
+        /** for how long it has been connected */
+        since_s: number;
+        /** its calls that are in progress; this one is among them */
+        requests: number;
+      }[];
+    };
+  };
+  /** what was moved, set and stopped lately, by whom: the last 1000 lines */
+  "audit.tail": {
+    params: {
+      /** how many at most; 100 if absent */
+      lines?: number;
+      /** those behind the one of this number; the newest if absent */
+      after?: number;
+    };
+    result: {
+      /** number of the newest one that there is */
+      last: number;
+      /** how many after 'after' are not remembered any more */
+      dropped: number;
+      /** the oldest first */
+      lines: {
+        /** counts what was audited since tmcld was started, from 1 on */
+        number: number;
+        /** when, in microseconds since 1970 */
+        utc_us: number;
+        /** number of the user; null: the text says who it is */
+        uid: number | null;
+        /** the process; null: the text says who it is */
+        pid: number | null;
+        /** what was asked for, and what came of it */
+        text: string;
+      }[];
+    };
+  };
   /** where the page for browsers is */
   "page.find": {
     params: Record<string, never>;
@@ -3034,6 +3091,8 @@ export const roleFor: Record<keyof Methods, Role> = {
   "token.list": "configure",
   "token.invite": "configure",
   "token.revoke": "configure",
+  "client.list": "configure",
+  "audit.tail": "configure",
   "page.find": "observe",
   "speak_for": "stop",
   "line.move": "operate",

@@ -37,6 +37,8 @@ EFFECTS: Mapping[str, str] = {
     "token.list": "reads",
     "token.invite": "writes",
     "token.revoke": "writes",
+    "client.list": "reads",
+    "audit.tail": "reads",
     "page.find": "reads",
     "speak_for": "reads",
     "line.move": "moves",
@@ -574,6 +576,63 @@ class TokenInvite(Record):
     code: str = ""
     #: until it does no more
     ends_in_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class ClientListClients(Record):
+    #: who it is, as other methods tell it
+    client: str = ""
+    #: by which it came: socket; http or websocket; port, where hosts speak TMCL; process, that
+    #: of the gateway itself
+    door: str = ""
+    #: where it is; null: on this computer
+    address: str | None = None
+    #: number of its user; null: not of this computer
+    uid: int | None = None
+    #: its process; null: not of this computer
+    pid: int | None = None
+    #: name of the token that let it in; null: none did
+    token: str | None = None
+    #: what it may do: stop, observe, operate or configure
+    role: str = ""
+    #: those that it has leased
+    axes: tuple[str, ...] = ()
+    #: for how long it has been connected
+    since_s: float = 0.0
+    #: its calls that are in progress; this one is among them
+    requests: int = 0
+
+
+@dataclass(frozen=True)
+class ClientList(Record):
+    #: who is connected; who came first is first
+    clients: tuple[ClientListClients, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"clients": ClientListClients}
+
+
+@dataclass(frozen=True)
+class AuditTailLines(Record):
+    #: counts what was audited since tmcld was started, from 1 on
+    number: int = 0
+    #: when, in microseconds since 1970
+    utc_us: int = 0
+    #: number of the user; null: the text says who it is
+    uid: int | None = None
+    #: the process; null: the text says who it is
+    pid: int | None = None
+    #: what was asked for, and what came of it
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class AuditTail(Record):
+    #: number of the newest one that there is
+    last: int = 0
+    #: how many after 'after' are not remembered any more
+    dropped: int = 0
+    #: the oldest first
+    lines: tuple[AuditTailLines, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"lines": AuditTailLines}
 
 
 @dataclass(frozen=True)
@@ -2021,6 +2080,19 @@ class Methods:
         """`token.revoke` ends the token, and the connections that it let in."""
         self._call("token.revoke", {"name": name})
 
+    def client_list(self) -> ClientList:
+        """`client.list` who is connected, by which door, with which role."""
+        return ClientList.of(self._call("client.list", {}))
+
+    def audit_tail(
+        self,
+        *,
+        lines: int | None = None,
+        after: int | None = None,
+    ) -> AuditTail:
+        """`audit.tail` what was moved, set and stopped lately, by whom: the last 1000 lines."""
+        return AuditTail.of(self._call("audit.tail", {"lines": lines, "after": after}))
+
     def page_find(self) -> PageFind:
         """`page.find` where the page for browsers is."""
         return PageFind.of(self._call("page.find", {}))
@@ -3078,6 +3150,19 @@ class AsyncMethods:
     async def token_revoke(self, name: str) -> None:
         """`token.revoke` ends the token, and the connections that it let in."""
         await self._call("token.revoke", {"name": name})
+
+    async def client_list(self) -> ClientList:
+        """`client.list` who is connected, by which door, with which role."""
+        return ClientList.of(await self._call("client.list", {}))
+
+    async def audit_tail(
+        self,
+        *,
+        lines: int | None = None,
+        after: int | None = None,
+    ) -> AuditTail:
+        """`audit.tail` what was moved, set and stopped lately, by whom: the last 1000 lines."""
+        return AuditTail.of(await self._call("audit.tail", {"lines": lines, "after": after}))
 
     async def page_find(self) -> PageFind:
         """`page.find` where the page for browsers is."""

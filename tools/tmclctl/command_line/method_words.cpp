@@ -34,6 +34,8 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"token.list", "token list"},
     {"token.invite", "page --phone"},
     {"token.revoke", "token revoke"},
+    {"client.list", "clients"},
+    {"audit.tail", "audit"},
     {"page.find", "page"},
     {"axis.wait", "wait"},
     {"line.move", "line"},

@@ -477,6 +477,10 @@ struct AddToken {
   std::string name;  ///< Empty: the daemon gives it one.
 };
 struct Tokens {};
+struct Clients {};
+struct Audit {
+  std::optional<std::int32_t> last;  ///< So many lines.
+};
 struct RevokeToken {
   std::string name;
 };

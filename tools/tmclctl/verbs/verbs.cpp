@@ -28,6 +28,7 @@ void add_verbs(Grammar& grammar) {
   add_doctor(grammar);
   add_deadman(grammar);
   add_tokens(grammar);
+  add_clients(grammar);
   add_page(grammar);
   add_verify(grammar);
   add_tune(grammar);

@@ -42,6 +42,7 @@ void add_errors(Grammar& grammar);
 void add_doctor(Grammar& grammar);
 void add_deadman(Grammar& grammar);
 void add_tokens(Grammar& grammar);
+void add_clients(Grammar& grammar);
 void add_page(Grammar& grammar);
 void add_verify(Grammar& grammar);
 void add_tune(Grammar& grammar);

@@ -5,6 +5,7 @@ import { noTrace, watchBus, type Trace } from "../bus_trace";
 import type { Answer } from "../rpc";
 import { texts } from "../texts";
 import { BusClients } from "./bus_clients";
+import { BusConnected } from "./bus_connected";
 import { BusTable, useTraffic } from "./bus_table";
 import { BusTrace } from "./bus_trace_table";
 import { Findings } from "./findings";
@@ -33,6 +34,7 @@ function Buses() {
       <BusTable buses={buses} traffic={traffic} />
       <BusTrace names={buses.map((one) => one.name)} bus={bus} choose={setChosen} trace={trace} isPaused={isPaused} setPaused={setPaused} />
       <BusClients bus={bus} trace={trace} />
+      <BusConnected />
       <Findings />
     </section>
   );
