@@ -95,6 +95,7 @@ Answer<global::Restore> restore_global(Call& call, const global::Restore& params
 Answer<io::Get> get_io(Call& call, const io::Get& params);
 Answer<io::Set> set_io(Call& call, const io::Set& params);
 
+Answer<program::Assemble> assemble_program(Call& call, const program::Assemble& params);
 Answer<program::Load> load_program(Call& call, const program::Load& params);
 Answer<program::Compare> compare_program(Call& call, const program::Compare& params);
 Answer<program::Read> read_program(Call& call, const program::Read& params);

@@ -133,6 +133,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::report_arrivals>(operate),
     method<handlers::reset_module>(configure),
     method<handlers::factory_reset>(configure),
+    method<handlers::assemble_program>(observe),
     method<handlers::load_program>(configure),
     method<handlers::compare_program>(observe),
     method<handlers::read_program>(observe),

@@ -1,7 +1,9 @@
 // Stand-alone programs.
 #include "api/handlers.hpp"
+#include "api/journey.hpp"
 #include "api/module_choice.hpp"
 #include "gateway/authority/reach.hpp"
+#include "tmcl/assembler.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -14,6 +16,43 @@ Result<Program> program_of(const std::string& text) {
   return tmcl::program::from_hex(text).map_error([](const std::string& problem) {
     return param_error<&program::Load::program>("bad_argument", "'program': " + problem);
   });
+}
+
+Result<const tmcl::Model*> model_of(const program::Assemble& params) {
+  if (!params.model) return nullptr;
+  const auto* model = tmcl::find_model(*params.model);
+  if (model != nullptr) return model;
+  return tl::unexpected(param_error<&program::Assemble::model>(
+      "unknown_model", "there is no model '" + *params.model + "'", "such as TMCM-1110"));
+}
+
+/// The text has no file beside it, and none of this computer is shown to a client.
+tl::expected<tmcl::program::Assembly, tmcl::TextProblems> assembly_of(const std::string& text,
+                                                                      const tmcl::Model* model) {
+  bool is_read = false;
+  const auto read = [&](const std::string&) -> tl::expected<std::string, std::string> {
+    if (!std::exchange(is_read, true)) return text;
+    return tl::unexpected(std::string("tmcld reads no files"));
+  };
+  return tmcl::program::assemble("program", read, model);
+}
+
+Error refusal_of_text(const tmcl::TextProblems& problems) {
+  const auto& first = problems.front();
+  auto error = param_error<&program::Assemble::text>(
+      "bad_program", "line " + std::to_string(first.line) + ": " + first.message);
+  add_problems(error, problems);
+  return error;
+}
+
+program::Assembled view_of(const tmcl::program::Assembly& assembly) {
+  program::Assembled view{tmcl::program::to_hex(assembly.program),
+                          static_cast<std::uint32_t>(assembly.program.size())};
+  for (const auto& line : assembly.lines)
+    if (line.address) view.lines.push_back(static_cast<std::uint32_t>(line.line));
+  for (const auto& label : assembly.labels)
+    view.labels.push_back({label.name, static_cast<std::uint32_t>(label.address)});
+  return view;
 }
 
 /// Tells the client how far it is; ends the verb when its client has gone.
@@ -111,6 +150,14 @@ Task<Nothing> end_for_gone_client(const Call& call, const ModuleChoice& module) 
 }
 
 }  // namespace
+
+Answer<program::Assemble> assemble_program(Call& call, const program::Assemble& params) {
+  const auto* model = co_await must(model_of(params));
+  auto work = [text = params.text, model] { return assembly_of(text, model); };
+  const auto assembly = co_await call.gateway->planner.plan(std::move(work));
+  if (!assembly) co_return refusal_of_text(assembly.error());
+  co_return view_of(*assembly);
+}
 
 Answer<program::Load> load_program(Call& call, const program::Load& params) {
   // The end of the daemon waits a little: a module must not be left in download mode.

@@ -154,6 +154,7 @@ inline const std::vector<MethodCall> all{
     {"module.report_arrivals", R"({"bus":"bench","address":2,"motors":[0],"every":true})"},
     {"module.reset", module_2, {}, {}, false, true},
     {"module.factory_reset", module_2, {}, {}, false, true},
+    {"program.assemble", R"({"text":"Loop: WAIT TICKS, 0, 10\nJA Loop\n"})"},
     {"program.load", program},
     {"program.compare", program, {{"program.load", program}}},
     {"program.read", R"({"bus":"bench","address":2,"length":8})"},

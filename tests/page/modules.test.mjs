@@ -179,6 +179,100 @@ describe("the program of a module", () => {
   });
 });
 
+describe("the text of a program", () => {
+  const html = '<img src="x" onerror="document.title = 1">';
+  const editor = () => page.getByRole("textbox", { name: "Text of a program" });
+  const problems = () => page.getByRole("list", { name: "What is wrong in the text" }).getByRole("listitem");
+  const nextLine = (text) => page.locator(".editor .next").getByText(text, { exact: true }).waitFor();
+  beforeEach(async () => {
+    bench = await Bench.create();
+    page = await open(`${bench.url}/?tab=modules`);
+    await editor().waitFor();
+  });
+
+  it("is loaded into the module, and followed line by line", async () => {
+    await editor().fill("// three values\nFirst = 5\nSGP 1, 2, First\nSGP 1, 2, 6\n\nEnd: SGP 1, 2, 7\nSTOP\n");
+    await page.getByText("4 commands", { exact: true }).waitFor();
+    await button(page, "Load the text").click();
+    await page.getByText("The text is in the module: 4 commands").waitFor();
+    const rows = page.getByRole("table", { name: "Program" }).locator("tbody tr");
+    assert.deepEqual(await rows.locator("td:nth-of-type(5)").allTextContents(), ["3", "4", "6", "7"]);
+    await button(page, "Reset program").click();
+    await nextLine("SGP 1, 2, First");
+    await button(page, "Step").click();
+    await nextLine("SGP 1, 2, 6");
+    await button(page, "Breakpoint at 2").click();
+    await page.getByRole("button", { name: "Breakpoint at 2", pressed: true }).waitFor();
+    await button(page, "Run program").click();
+    await nextLine("End: SGP 1, 2, 7");
+    assert.equal((await bench.call("global.get", { bus: "bench", address: 1, bank: 2, parameter: 1 })).value, 6);
+    await editor().fill("STOP\n");
+    await until("no line of another text is marked", async () => (await page.locator(".editor .next").count()) === 0);
+  });
+
+  it("has all its problems at their lines, and is not loaded then", async () => {
+    await editor().fill("/* Größe */ SGP 1, 2, Nothing\nSTOP\n  JA Nowhere\n");
+    await until("two problems", async () => (await problems().count()) === 2);
+    assert.match(await problems().nth(1).textContent(), /^Line 3, column 6: /);
+    assert.deepEqual(await page.locator(".editor .bad").allTextContents(), ["/* Größe */ SGP 1, 2, Nothing\n", "  JA Nowhere\n"]);
+    assert.equal(await editor().getAttribute("aria-invalid"), "true");
+    assert.ok(await button(page, "Load the text").isDisabled());
+    await problems().nth(0).getByRole("button").press("Enter");
+    // Its column counts bytes.
+    assert.equal(await editor().evaluate((field) => field.value.slice(field.selectionStart, field.selectionStart + 7)), "Nothing");
+    await editor().fill("SGP 1, 2, 5\nSTOP\n");
+    await page.getByText("2 commands", { exact: true }).waitFor();
+    assert.equal(await problems().count(), 0);
+    assert.equal(await page.locator(".editor .bad").count(), 0);
+  });
+
+  it("knows the names of the parameters of the module, and reads no file", async () => {
+    await editor().fill("#include TMCLParam.tmc\nSAP MaxCurrent, 0, 9\n");
+    await page.getByText("1 command", { exact: true }).waitFor();
+    await editor().fill('#include "/etc/passwd"\n');
+    await problems().getByText(/tmcld reads no files/).waitFor();
+  });
+
+  it("takes spaces while all axes stand, and while one moves the space bar stops it", async () => {
+    await editor().focus();
+    await page.keyboard.type("MVP ABS, 0, 1");
+    await until("a text with spaces", async () => (await editor().inputValue()) === "MVP ABS, 0, 1");
+    await bench.call("axis.move_to", { axis: "x", position: 150 });
+    await bench.moves("x");
+    // The page may hear of the movement a little later.
+    let presses = 0;
+    await until("it was stopped", async () => {
+      await page.keyboard.press("Space");
+      ++presses;
+      return !(await bench.state("x")).moving;
+    });
+    assert.ok((await bench.state("x")).position < 149);
+    assert.ok((await editor().inputValue()).length < "MVP ABS, 0, 1".length + presses, "what stops is not typed");
+  });
+
+  it("stays while another part is looked at, is opened and saved as a file", async () => {
+    const file = join(bench.folder, "loop.tmc");
+    await writeFile(file, "Loop:\r\n  JA Loop\r\n");
+    await page.getByLabel("Open a text").setInputFiles(file);
+    await page.getByText("1 command", { exact: true }).waitFor();
+    await button(page, "Axes").click();
+    await button(page, "Modules").click();
+    assert.equal(await editor().inputValue(), "Loop:\n  JA Loop\n");
+    const [download] = await Promise.all([page.waitForEvent("download"), button(page, "Save the text").click()]);
+    assert.equal(String(await readFile(await download.path())), "Loop:\n  JA Loop\n");
+    await editor().fill("STOP ".repeat(20_000));
+    await page.getByText("The text is too long: 60000 bytes at most").waitFor();
+  });
+
+  it("is text, whatever it looks like", async () => {
+    await editor().fill(`${html}\n/* ${html} */\n`);
+    await until("a problem", async () => (await problems().count()) > 0);
+    await page.locator(".editor pre").getByText(`/* ${html} */`).waitFor();
+    assert.equal(await page.locator("img").count(), 0);
+    assert.equal(await page.title(), "tmcld");
+  });
+});
+
 describe("a module and its observers", () => {
   it("are told faults in words, and names as text", async () => {
     bench = await Bench.create();
@@ -226,6 +320,9 @@ describe("a module and its observers", () => {
     await row("max_current").waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
     await button(page, "Read program").click();
+    await page.getByRole("textbox", { name: "Text of a program" }).fill("// a comment\nLoop: MVP ABS, 0, 5\n  JA Nowhere\n");
+    await page.getByRole("list", { name: "What is wrong in the text" }).waitFor();
     assert.deepEqual(await seriousFindings(page), []);
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
   });
 });

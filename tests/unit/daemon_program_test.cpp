@@ -56,6 +56,49 @@ class DaemonProgram : public DaemonTest {
   }
 };
 
+TEST_F(DaemonProgram, IsMadeOfAText) {
+  const auto made = result_of("program.assemble", {{"text",
+                                                    "Far = 7\nLoop:\n  MVP ABS, 0, Far\n"
+                                                    "  JA Loop\n"}});
+  const Program expected{{Command::MVP, 0, 0, 7}, {Command::JA, 0, 0, 0}};
+  EXPECT_EQ(text(made.at("program")), tmcl::program::to_hex(expected));
+  EXPECT_EQ(made.at("commands"), 2);
+  EXPECT_EQ(made.at("lines"), (json::array{3, 4}));
+  EXPECT_EQ(made.at("labels"), (json::array{{{"name", "Loop"}, {"address", 0}}}));
+}
+
+TEST_F(DaemonProgram, OfATextHasAllProblemsWithTheirPlaces) {
+  const auto answer = client.answer_to(
+      client.send("program.assemble", {{"text", "MVP ABS, 0\nSTOP\n  JA Nowhere\n"}}));
+  EXPECT_EQ(name_in(answer), "bad_program");
+  const auto& problems = answer.at("error").at("data").at("problems").as_array();
+  ASSERT_EQ(problems.size(), 2U);
+  EXPECT_EQ(problems[0].at("line"), 1);
+  EXPECT_EQ(problems[1].at("line"), 3);
+  EXPECT_EQ(problems[1].at("column"), 6);
+}
+
+TEST_F(DaemonProgram, OfATextKnowsTheParametersOfAModel) {
+  const auto made = result_of("program.assemble", {{"text",
+                                                    "#include TMCLParam.tmc\nSAP "
+                                                    "MaxCurrent, 0, 9\n"},
+                                                   {"model", "TMCM-1110"}});
+  EXPECT_EQ(made.at("commands"), 1);
+  const auto unknown =
+      client.answer_to(client.send("program.assemble", {{"text", "STOP\n"}, {"model", "TMCM-9"}}));
+  EXPECT_EQ(name_in(unknown), "unknown_model");
+}
+
+TEST_F(DaemonProgram, OfATextReadsNoFile) {
+  for (const auto* path : {"/etc/passwd", "program", "../tmcld.toml"}) {
+    const auto answer = client.answer_to(client.send(
+        "program.assemble", {{"text", "#include \"" + std::string(path) + "\"\nSTOP\n"}}));
+    EXPECT_EQ(name_in(answer), "bad_program");
+    EXPECT_THAT(text(answer.at("error").at("data").at("problems").at(0).at("message")),
+                testing::HasSubstr("tmcld reads no files"));
+  }
+}
+
 TEST_F(DaemonProgram, IsLoadedComparedAndReadBack) {
   const auto program = long_program();
   EXPECT_EQ(result_of("program.load", load_params(program)).at("commands"), 50);

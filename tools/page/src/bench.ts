@@ -26,6 +26,11 @@ export interface Axis {
 export const axes = signal<Axis[]>([]);
 export const isConnected = signal(false);
 
+/** False where it is not known. */
+export function everyAxisStands(): boolean {
+  return isConnected.peek() && axes.peek().every(({ state, problem }) => state !== null && !state.moving && !problem);
+}
+
 /** They are told each state, of whatever subscription of this page. */
 export const stateListeners = new Set<(state: StateTold) => void>();
 

@@ -2680,6 +2680,30 @@ export interface Methods {
     };
     result: Record<string, never>;
   };
+  /** makes a program file of a program's text; asks no module */
+  "program.assemble": {
+    params: {
+      /** the text, which includes no file but TMCLParam.tmc */
+      text: string;
+      /** whose parameters TMCLParam.tmc names, such as TMCM-1110; those that have one number on all models if absent */
+      model?: string;
+    };
+    result: {
+      /** a program file, in hexadecimal */
+      program: string;
+      /** how many commands it has */
+      commands: number;
+      /** of each command, the line of the text, from 1 */
+      lines: number[];
+      /** in their order in the text */
+      labels: {
+        /** as it is written where it stands */
+        name: string;
+        /** of the command behind it */
+        address: number;
+      }[];
+    };
+  };
   /** loads a program into a module; tells its progress by notify_progress */
   "program.load": {
     params: {
@@ -3153,6 +3177,7 @@ export const roleFor: Record<keyof Methods, Role> = {
   "module.report_arrivals": "operate",
   "module.reset": "configure",
   "module.factory_reset": "configure",
+  "program.assemble": "observe",
   "program.load": "configure",
   "program.compare": "observe",
   "program.read": "observe",

@@ -1,6 +1,7 @@
 // Stops everything. Nothing here waits for the subscription, or for what the page shows: each stop is a request of its own.
 import { signal } from "@preact/signals";
 import { access, refuse } from "./access";
+import { everyAxisStands } from "./bench";
 import { CallError, post, textOf } from "./rpc";
 import { texts } from "./texts";
 
@@ -76,9 +77,12 @@ async function doesMove(axis: string): Promise<boolean> {
   }
 }
 
+/** In a text of several lines it is a character, as long as it would stop nothing: every axis is known to stand. */
+const isCharacter = (event: KeyboardEvent) => event.target instanceof HTMLTextAreaElement && everyAxisStands();
+
 /** The space bar stops wherever the focus is: a button does not take it for a click, and a field not for a character. */
 function takeSpaceBar(event: KeyboardEvent): void {
-  if (event.key !== " " || access.peek().is !== "in") return;
+  if (event.key !== " " || access.peek().is !== "in" || isCharacter(event)) return;
   event.preventDefault();
   event.stopPropagation();
   if (event.type === "keydown" && !event.repeat) void stopAll();

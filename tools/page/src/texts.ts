@@ -278,7 +278,19 @@ export const texts = {
   program: "Program",
   programHelp:
     "A program moves motors by itself. Stop program ends it, and motors that it has started go on: " +
-    "Stop all stops them. `tmclctl program assemble` makes the file.",
+    "Stop all stops them.",
+  programText: "Text of a program",
+  editorHelp:
+    "As tmcld reads it, in the language of the TMCL-IDE, such as MVP ABS, 0, 5000. While an axis moves the space bar stops all axes here, too; " +
+    "while all stand it is a character.",
+  openText: "Open a text",
+  saveText: "Save the text",
+  loadText: "Load the text",
+  isAssembled: (commands: number) => (commands === 1 ? "1 command" : `${commands} commands`),
+  wrongInText: "What is wrong in the text",
+  textTooLong: (most: number) => `The text is too long: ${most} bytes at most`,
+  textLoaded: (commands: number) => `The text is in the module: ${commands} commands`,
+  lineOfText: "Line",
   readProgram: "Read program",
   loadProgram: "Load a program file",
   programLoaded: (file: string, commands: number) => `${file} is in the module: ${commands} commands`,

@@ -99,6 +99,7 @@ EFFECTS: Mapping[str, str] = {
     "module.report_arrivals": "writes",
     "module.reset": "moves",
     "module.factory_reset": "moves",
+    "program.assemble": "reads",
     "program.load": "writes",
     "program.compare": "reads",
     "program.read": "reads",
@@ -1694,6 +1695,27 @@ class ModuleInfo(Record):
 
 
 @dataclass(frozen=True)
+class ProgramAssembleLabels(Record):
+    #: as it is written where it stands
+    name: str = ""
+    #: of the command behind it
+    address: int = 0
+
+
+@dataclass(frozen=True)
+class ProgramAssemble(Record):
+    #: a program file, in hexadecimal
+    program: str = ""
+    #: how many commands it has
+    commands: int = 0
+    #: of each command, the line of the text, from 1
+    lines: tuple[int, ...] = ()
+    #: in their order in the text
+    labels: tuple[ProgramAssembleLabels, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"labels": ProgramAssembleLabels}
+
+
+@dataclass(frozen=True)
 class ProgramLoad(Record):
     #: how many commands it has
     commands: int = 0
@@ -2766,6 +2788,15 @@ class Methods:
         """`module.factory_reset` restores everything in a module to how it was delivered."""
         self._call("module.factory_reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
 
+    def program_assemble(
+        self,
+        text: str,
+        *,
+        model: str | None = None,
+    ) -> ProgramAssemble:
+        """`program.assemble` makes a program file of a program's text; asks no module."""
+        return ProgramAssemble.of(self._call("program.assemble", {"text": text, "model": model}))
+
     def program_load(
         self,
         bus: str,
@@ -3836,6 +3867,15 @@ class AsyncMethods:
     ) -> None:
         """`module.factory_reset` restores everything in a module to how it was delivered."""
         await self._call("module.factory_reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def program_assemble(
+        self,
+        text: str,
+        *,
+        model: str | None = None,
+    ) -> ProgramAssemble:
+        """`program.assemble` makes a program file of a program's text; asks no module."""
+        return ProgramAssemble.of(await self._call("program.assemble", {"text": text, "model": model}))
 
     async def program_load(
         self,

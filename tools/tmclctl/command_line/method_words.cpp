@@ -97,6 +97,7 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"module.report_arrivals", "arrivals"},
     {"module.reset", "reset"},
     {"module.factory_reset", "factory-reset"},
+    {"program.assemble", "program assemble"},
     {"program.load", "program upload"},
     {"program.compare", "program verify"},
     {"program.read", "program download"},

@@ -14,6 +14,27 @@ constexpr std::string_view program_summary = "a program file, in hexadecimal";
 constexpr std::string_view first_address_summary = "address of its first command; 0 if absent";
 constexpr Bounds program_addresses{0, 2047};
 
+struct LabelledAddress {
+  TMCL_STRUCT(LabelledAddress);
+  TMCL_FIELD(std::string, name, "as it is written where it stands");
+  TMCL_FIELD(std::uint32_t, address, "of the command behind it");
+};
+struct Assembled {
+  TMCL_STRUCT(Assembled);
+  TMCL_FIELD(std::string, program, program_summary);
+  TMCL_FIELD(std::uint32_t, commands, "how many commands it has");
+  TMCL_FIELD(std::vector<std::uint32_t>, lines, "of each command, the line of the text, from 1");
+  TMCL_FIELD(std::vector<LabelledAddress>, labels, "in their order in the text");
+};
+struct Assemble {
+  TMCL_METHOD("program.assemble", reads, Assembled,
+              "makes a program file of a program's text; asks no module", Assemble);
+  TMCL_FIELD(std::string, text, "the text, which includes no file but TMCLParam.tmc");
+  TMCL_FIELD(std::optional<std::string>, model,
+             "whose parameters TMCLParam.tmc names, such as TMCM-1110; those that have one number "
+             "on all models if absent");
+};
+
 struct Commands {
   TMCL_STRUCT(Commands);
   TMCL_FIELD(std::uint32_t, commands, "how many commands it has");

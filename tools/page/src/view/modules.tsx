@@ -30,7 +30,7 @@ export function Modules() {
           <AxisErrors key={`errors ${axis.info.name}`} axis={axis.info.name} />
           <Parameters key={`parameters ${axis.info.name}`} axis={axis.info.name} />
           <Settings key={`settings ${axis.info.bus} ${axis.info.address}`} bus={axis.info.bus} address={axis.info.address} />
-          <Program key={`program ${axis.info.bus} ${axis.info.address}`} bus={axis.info.bus} address={axis.info.address} />
+          <Program key={`program ${axis.info.bus} ${axis.info.address}`} bus={axis.info.bus} address={axis.info.address} model={axis.info.model} />
         </>
       )}
     </section>

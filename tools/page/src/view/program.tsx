@@ -3,8 +3,10 @@ import { may } from "../access";
 import { call } from "../bench";
 import { hexOf } from "../hex";
 import { linesOf, type ProgramLine } from "../program";
+import { text, type Assembled } from "../program_text";
 import { texts } from "../texts";
 import { chosenFile } from "./chosen_file";
+import { ProgramEditor } from "./program_editor";
 import { ProgramTable } from "./program_table";
 import { useOutcome } from "./use_outcome";
 import { usePoll } from "./use_poll";
@@ -14,15 +16,23 @@ const lookEveryMs = 500;
 type Plain = "program.run" | "program.stop" | "program.step" | "program.reset";
 const plain: Plain[] = ["program.run", "program.stop", "program.step", "program.reset"];
 
+/** The text that was loaded, and the line of each of its commands. */
+interface Source {
+  text: string;
+  lines: number[];
+}
+
 /** The program that a module runs by itself. */
-export function Program({ bus, address }: { bus: string; address: number }) {
+export function Program({ bus, address, model }: { bus: string; address: number; model: string | null }) {
   const module = { bus, address };
   const { answer: status, problem: silence } = usePoll(() => call("program.status", module), lookEveryMs, [bus, address]);
   const [lines, setLines] = useState<ProgramLine[] | null>(null);
+  const [source, setSource] = useState<Source | null>(null);
   const { problem, note, carryOut } = useOutcome();
   const read = async () => {
     const { program } = await call("program.read", module);
     setLines(linesOf(program));
+    setSource(null);
     return "";
   };
   const load = async (field: HTMLInputElement) => {
@@ -31,10 +41,20 @@ export function Program({ bus, address }: { bus: string; address: number }) {
     const program = hexOf(new Uint8Array(await file.arrayBuffer()));
     const { commands } = await call("program.load", { ...module, program });
     setLines(linesOf(program));
+    setSource(null);
     return texts.programLoaded(file.name, commands);
+  };
+  const loadText = async ({ program, lines: linesOfText }: Assembled) => {
+    const loaded = { text: text.peek(), lines: linesOfText };
+    const { commands } = await call("program.load", { ...module, program });
+    setLines(linesOf(program));
+    setSource(loaded);
+    return texts.textLoaded(commands);
   };
   const act = (method: Plain) => carryOut(() => call(method, module).then(() => ""));
   const isStopped = status?.state !== "running";
+  const next = status?.next_address ?? null;
+  const hasText = source !== null && source.text === text.value;
   return (
     <section class="part" aria-label={texts.program}>
       <h2>{texts.program}</h2>
@@ -57,7 +77,8 @@ export function Program({ bus, address }: { bus: string; address: number }) {
       <p class="help">{texts.programHelp}</p>
       {problem && <p class="problem" role="alert">{problem}</p>}
       {note && <p role="status">{note}</p>}
-      {lines && <ProgramTable module={module} lines={lines} next={status?.next_address ?? null} carryOut={carryOut} />}
+      {lines && <ProgramTable module={module} lines={lines} linesOfText={source?.lines ?? null} next={next} carryOut={carryOut} />}
+      <ProgramEditor model={model} nextLine={hasText && next !== null ? (source.lines[next] ?? null) : null} load={loadText} carryOut={carryOut} />
     </section>
   );
 }

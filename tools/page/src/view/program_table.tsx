@@ -8,12 +8,14 @@ import { Table } from "./table";
 interface ProgramTableOf {
   module: { bus: string; address: number };
   lines: ProgramLine[];
+  /** Of each command; null where it was made of no text here. */
+  linesOfText: number[] | null;
   next: number | null;
   carryOut: (action: () => Promise<string>) => void;
 }
 
 /** The commands of a program, with the next one marked. Modules do not tell their breakpoints: those of this page are shown. */
-export function ProgramTable({ module, lines, next, carryOut }: ProgramTableOf) {
+export function ProgramTable({ module, lines, linesOfText, next, carryOut }: ProgramTableOf) {
   const [breakpoints, setBreakpoints] = useState<number[]>([]);
   const mayBreak = may("program.set_breakpoint");
   const toggle = async (at: number) => {
@@ -22,7 +24,15 @@ export function ProgramTable({ module, lines, next, carryOut }: ProgramTableOf) 
     setBreakpoints(isSet ? breakpoints.filter((one) => one !== at) : [...breakpoints, at]);
     return "";
   };
-  const heads = [texts.programAddress, texts.command, texts.type, texts.motor, texts.value, ...(mayBreak ? [texts.breakpoint] : [])];
+  const heads = [
+    texts.programAddress,
+    texts.command,
+    texts.type,
+    texts.motor,
+    texts.value,
+    ...(linesOfText ? [texts.lineOfText] : []),
+    ...(mayBreak ? [texts.breakpoint] : []),
+  ];
   return (
     <Table caption={texts.program} heads={heads}>
       {lines.map((line) => (
@@ -32,6 +42,7 @@ export function ProgramTable({ module, lines, next, carryOut }: ProgramTableOf) 
           <td class="number">{line.type}</td>
           <td class="number">{line.motor}</td>
           <td class="number">{line.value}</td>
+          {linesOfText && <td class="number">{linesOfText[line.address]}</td>}
           {mayBreak && (
             <td>
               {/* A check box would take the space bar, which stops. */}
