@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "api/lookup.hpp"
+#include "api/mc1451a_profile.hpp"
 #include "api/number_within.hpp"
 #include "api/resonance_request.hpp"
 #include "api/suggest.hpp"
@@ -192,14 +193,20 @@ std::optional<Simulated> simulated(plan::AxisTwin twin, const std::vector<Settin
 }  // namespace
 
 Answer<Simulate> simulate_profile(Call& call, const Simulate& params) {
-  const auto* model = co_await must(model_of(params));
-  const auto settings = co_await must(settings_of(params, *model));
-  const auto twin = co_await must(twin_of(*model, settings));
-  const auto load = co_await must(load_of(params));
   if (params.until_s) {
     co_await must(
         number_within(api::name_of<&Simulate::until_s>(), *params.until_s, least_s, greatest_s));
   }
+  if (params.model == mc1451a_name) {
+    auto follow_chip = [params] { return mc1451a_move(params); };
+    auto move = co_await call.gateway->planner.plan(std::move(follow_chip));
+    const auto made = co_await must(std::move(move));
+    co_return made;
+  }
+  const auto* model = co_await must(model_of(params));
+  const auto settings = co_await must(settings_of(params, *model));
+  const auto twin = co_await must(twin_of(*model, settings));
+  const auto load = co_await must(load_of(params));
   auto follow = [twin, settings, params, load] { return simulated(twin, settings, params, load); };
   auto result = co_await call.gateway->planner.plan(std::move(follow));
   if (!result) {

@@ -17,7 +17,7 @@ const chip = (name) => page.getByRole("article", { name, exact: true });
 const value = (name, register) => chip(name).getByRole("textbox", { name: register });
 const result = async (row, column) => page.getByRole("row", { name: new RegExp(`^${row}`) }).getByRole("cell").nth(column).textContent();
 const time = (column) => result("Time of the move", column);
-const columns = { TMC429: 0, TMC457: 1, sixPoint: 2 };
+const columns = { TMC429: 0, TMC457: 1, sixPoint: 2, MC1451A: 3 };
 const isComputed = (column) => until("a time", async () => Number(await time(column)) > 0);
 
 describe("profiles", () => {
@@ -30,6 +30,7 @@ describe("profiles", () => {
     ["TMC429", /^V_MAX /, "500"],
     ["TMC457", /^V_MAX /, "1500000"],
     ["sixPoint", /^VMAX /, "25000"],
+    ["MC1451A", /^Velocity /, "1638400"],
   ]) {
     it(`tells what tmcld computes for a ${name}, and follows its input`, async () => {
       await show();
@@ -46,18 +47,18 @@ describe("profiles", () => {
 
   it("draws the ramps of the chips", async () => {
     await show();
-    for (const column of [0, 1, 2]) await isComputed(column);
+    for (const column of [0, 1, 2, 3]) await isComputed(column);
     const coloured = () =>
       page.evaluate(() =>
         [...document.querySelectorAll(".profiles canvas")].map((canvas) => {
           const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-          const seen = [0, 0, 0];
-          const colours = [[0x2f, 0x9e, 0x6e], [0xd9, 0x82, 0x2b], [0x5b, 0x8d, 0xef]];
+          const seen = [0, 0, 0, 0];
+          const colours = [[0x2f, 0x9e, 0x6e], [0xd9, 0x82, 0x2b], [0x5b, 0x8d, 0xef], [0xd6, 0x4f, 0x7f]];
           for (let at = 0; at < data.length; at += 4)
             colours.forEach((colour, index) => colour.every((part, byte) => Math.abs(data[at + byte] - part) < 8) && ++seen[index]);
           return seen.every((count) => count > 50);
         }));
-    await until("three curves in three pictures", async () => {
+    await until("four curves in three pictures", async () => {
       const all = await coloured();
       return all.length === 3 && all.every(Boolean);
     });
@@ -77,6 +78,24 @@ describe("profiles", () => {
     assert.equal(await page.getByRole("alert").count(), 0);
     await page.getByLabel("Distance in µsteps").fill("3000000000");
     await page.getByRole("alert").getByText(/distance_microsteps/).waitFor();
+  });
+
+  it("tells a refused register of a chip that is in no module, and sets it on no axis", async () => {
+    await show();
+    await isComputed(columns.MC1451A);
+    await value("MC1451A", /^Acceleration /).fill("32768");
+    const place = chip("MC1451A").locator(".register", { hasText: "Acceleration" });
+    await place.getByRole("alert").getByText(/does not take 32768/).waitFor();
+    assert.equal(await page.getByRole("alert").count(), 1);
+    await value("MC1451A", /^Acceleration /).fill("1310");
+    await isComputed(columns.MC1451A);
+    assert.equal(await chip("MC1451A").getByRole("button").count(), 0);
+    // Half the cycle is twice the speed.
+    const speed = async () => Number(await result("Top speed", columns.MC1451A));
+    await value("MC1451A", /^Acceleration /).fill("13107");
+    await until("its speed", async () => Math.abs((await speed()) - 50000) < 10);
+    await value("MC1451A", /^Cycle /).fill("500");
+    await until("the speed of a shorter cycle", async () => Math.abs((await speed()) - 100000) < 20);
   });
 
   it("lets no old answer overwrite a newer one", async () => {
@@ -149,7 +168,7 @@ describe("profiles", () => {
 
   it("can be read by a screen reader, on a phone", async () => {
     await show("", { bypassCSP: true, viewport: { width: 360, height: 740 } });
-    for (const column of [0, 1, 2]) await isComputed(column);
+    for (const column of [0, 1, 2, 3]) await isComputed(column);
     await value("TMC457", /^BOW_MAX /).fill("44");
     await page.getByRole("alert").waitFor();
     assert.deepEqual(await seriousFindings(page), []);

@@ -98,6 +98,50 @@ TEST_F(DaemonProfile, IsSimulatedWithALoad) {
   EXPECT_GT(steep->at("settled_s").to_number<double>(), steep->at("move_s").to_number<double>());
 }
 
+// A case of its data sheet's formulas, with a cycle of half a millisecond.
+TEST_F(DaemonProfile, OfTheMc1451aIsSimulatedByItsRegisters) {
+  const json::object move{
+      {"model", "MC1451A"},
+      {"parameters", {"velocity", "acceleration", "jerk", "cycle_us"}},
+      {"values", {180'224, 66, 42'950, 500}},
+      {"distance_microsteps", 100'000},
+      {"points", 101},
+  };
+  const auto result = bench.call("profile.simulate", move);
+  ASSERT_TRUE(result) << result.error().message;
+  const auto told = api::from_json<api::profile::Simulated>(*result);
+  EXPECT_EQ(told.model, "MC1451A");
+  EXPECT_NEAR(told.move_s.value(), 39'195.010 * 0.0005, 0.0005);
+  EXPECT_NEAR(told.top_speed_pps, 2.75 / 0.0005, 0.1);
+  EXPECT_NEAR(told.longest_phase_s, 2629.959 * 0.0005, 0.0005) << "phase II";
+  EXPECT_THAT(told.warnings, testing::IsEmpty());
+  const auto& curve = told.curve.value();
+  ASSERT_EQ(curve.positions_microsteps.size(), 101U);
+  EXPECT_EQ(curve.positions_microsteps.front(), 0);
+  EXPECT_EQ(curve.positions_microsteps[50], 50'000);
+  EXPECT_EQ(curve.positions_microsteps.back(), 100'000);
+  EXPECT_NEAR(curve.times_s.back(), *told.move_s, 1e-9);
+}
+
+TEST_F(DaemonProfile, OfTheMc1451aIsRefusedWithTheRegister) {
+  const auto refusal_of = [&](json::object params) {
+    params.insert({{"model", "MC1451A"}, {"distance_microsteps", 1000}});
+    const auto result = bench.call("profile.simulate", std::move(params));
+    return result ? "none" : result.error().name + ": " + result.error().message;
+  };
+  EXPECT_EQ(refusal_of({}), "none") << "it stands, with a warning";
+  EXPECT_THAT(refusal_of({{"parameters", {"acceleration"}}, {"values", {32'768}}}),
+              HasSubstr("out_of_range: an MC1451A does not take 32768 for parameter acceleration"));
+  EXPECT_THAT(refusal_of({{"parameters", {"cycle_us"}}, {"values", {0}}}),
+              HasSubstr("out_of_range: "));
+  for (const auto* name : {"position", "velocty", "4"}) {
+    EXPECT_THAT(refusal_of({{"parameters", {name}}, {"values", {1}}}),
+                HasSubstr("unknown_parameter: an MC1451A has no parameter"));
+  }
+  EXPECT_THAT(refusal_of({{"parameters", {"jerk"}}}), HasSubstr("one of 'values' for each"));
+  EXPECT_THAT(refusal_of({{"resonance_hz", 12}}), HasSubstr("bad_argument: no load"));
+}
+
 TEST_F(DaemonProfile, WhatIsNotFollowedIsToldWhy) {
   const auto refusal = [&](json::object params) {
     params.insert({{"distance_microsteps", 1000}});

@@ -2,7 +2,8 @@
 
 export interface Register {
   parameter: string;
-  number: number;
+  /** Of the parameter of a module; null of a chip that is in none. */
+  number: number | null;
   /** As the data sheet of the chip calls it. */
   name: string;
   unit: string;
@@ -14,7 +15,7 @@ export interface Register {
 
 export interface Chip {
   name: string;
-  /** The module that is simulated. */
+  /** The module that is simulated, or the chip itself where it is in none. */
   model: string;
   /** Modules with the same parameters. */
   models: string[];
@@ -24,7 +25,7 @@ export interface Chip {
 
 const register = (
   parameter: string,
-  number: number,
+  number: number | null,
   name: string,
   unit: string,
   most: number,
@@ -75,6 +76,17 @@ export const chips: Chip[] = [
       register("acceleration_a1", 15, "A1", "pps/s", 1_000_000, 100_000),
       register("velocity_v1", 16, "V1", "pps", 200_000, 20_000),
       register("deceleration_d1", 18, "D1", "pps/s", 1_000_000, 100_000),
+    ],
+  },
+  {
+    name: "MC1451A",
+    model: "MC1451A",
+    models: [],
+    registers: [
+      register("cycle_us", null, "Cycle", "µs", 5000, 1000, 1),
+      register("velocity", null, "Velocity", "2^-16 steps/cycle", 13_107_200, 3_276_800),
+      register("acceleration", null, "Acceleration", "2^-16 steps/cycle²", 32_767, 13_107),
+      register("jerk", null, "Jerk", "2^-32 steps/cycle³", 42_949_673, 8_589_935),
     ],
   },
 ];

@@ -7,7 +7,7 @@ import { texts } from "./texts";
 
 export type Simulation = Answer<"profile.simulate">;
 
-/** Where a problem is shown: at the distance, at a register by its number, or at the chip. */
+/** Where a problem is shown: at the distance, at a register by its place among those of its chip, or at the chip. */
 export interface Refusal {
   at: "distance" | "chip" | number;
   text: string;
@@ -94,12 +94,12 @@ async function simulate(index: number, wanted: string[], far: string, isLatest: 
     made = await call("profile.simulate", {
       model: chip.model,
       parameters: chip.registers.map((one) => one.parameter),
-      values: wanted.map((text, register) => wholeNumber(text, chip.registers[register]!.number)),
+      values: wanted.map((text, register) => wholeNumber(text, register)),
       distance_microsteps: wholeNumber(far, "distance"),
       points,
     });
   } catch (error) {
-    refusal = error instanceof NoNumber ? error.refusal : { at: placeOf(error), text: textOf(error) };
+    refusal = error instanceof NoNumber ? error.refusal : { at: placeOf(error, chip), text: textOf(error) };
   }
   // An answer that comes late is not of what is typed now.
   if (!isLatest()) return;
@@ -119,19 +119,20 @@ export function wholeNumber(text: string, at: Refusal["at"]): number {
   return value;
 }
 
-/** The message of tmcld names a parameter by its number. */
-function placeOf(error: unknown): Refusal["at"] {
+/** The message of tmcld names a parameter by its number, or by its name where it has none. */
+function placeOf(error: unknown, chip: Chip): Refusal["at"] {
   if (!(error instanceof CallError)) return "chip";
   if (error.data.param === "distance_microsteps") return "distance";
-  const named = error.data.param === "values" && /for parameter (\d+)/.exec(error.message);
-  return named ? Number(named[1]) : "chip";
+  const named = error.data.param === "values" ? /for parameter (\w+)/.exec(error.message)?.[1] : undefined;
+  const place = chip.registers.findIndex((one) => String(one.number ?? one.parameter) === named);
+  return place < 0 ? "chip" : place;
 }
 
 /** One after the other; ends at the first that the module does not take. */
 export async function setOnAxis(axis: string, chip: Chip, wanted: string[]): Promise<string> {
-  for (const [index, { parameter, number, name }] of chip.registers.entries()) {
+  for (const [index, { parameter, name }] of chip.registers.entries()) {
     try {
-      await call("parameter.set", { axis, parameter, value: wholeNumber(wanted[index]!, number) });
+      await call("parameter.set", { axis, parameter, value: wholeNumber(wanted[index]!, index) });
     } catch (error) {
       return texts.setUntil(name, error instanceof NoNumber ? error.message : textOf(error));
     }

@@ -328,6 +328,7 @@ export const texts = {
   recorded: (axis: string, seconds: number) => `A move of ${axis} that took ${seconds.toFixed(2)} s is drawn dashed`,
   results: "Results",
   moduleOf: "Module",
+  inNoModule: "none has it",
   moveTime: "Time of the move in s",
   topSpeedPps: "Top speed in µsteps/s",
   topAcceleration: "Greatest acceleration in µsteps/s²",

@@ -12,13 +12,13 @@ export function ChipForm({ chip, index }: { chip: Chip; index: number }) {
   return (
     <article class="card" aria-label={chip.name}>
       <h2>
-        {chip.name} <small>{chip.model}</small>
+        {chip.name} {chip.model !== chip.name && <small>{chip.model}</small>}
       </h2>
       {chip.registers.map((register, place) => (
         <RegisterInput
           register={register}
           value={values.value[index]![place]!}
-          problem={refusal?.at === register.number ? refusal.text : ""}
+          problem={refusal?.at === place ? refusal.text : ""}
           onInput={(text) => setValue(index, place, text)}
         />
       ))}

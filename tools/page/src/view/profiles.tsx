@@ -47,7 +47,7 @@ function Results() {
       caption={texts.results}
       heads={[texts.value, ...chips.map((chip) => chip.name)]}
       rows={[
-        [texts.moduleOf, ...chips.map((chip) => chip.model)],
+        [texts.moduleOf, ...chips.map((chip) => (chip.models.length > 0 ? chip.model : texts.inNoModule))],
         [texts.moveTime, ...of((made) => orNone(made.move_s))],
         [texts.topSpeedPps, ...of((made) => numberText(made.top_speed_pps))],
         [texts.topAcceleration, ...of((made) => numberText(Math.max(0, ...(made.curve?.accelerations_pps2 ?? []))))],
