@@ -90,7 +90,7 @@ TEST_F(DaemonProgram, OfATextKnowsTheParametersOfAModel) {
 }
 
 TEST_F(DaemonProgram, OfATextReadsNoFile) {
-  for (const auto* path : {"/etc/passwd", "program", "../tmcld.toml"}) {
+  for (const auto* path : {"/etc/passwd", "speeds.tmc", "../tmcld.toml"}) {
     const auto answer = client.answer_to(client.send(
         "program.assemble", {{"text", "#include \"" + std::string(path) + "\"\nSTOP\n"}}));
     EXPECT_EQ(name_in(answer), "bad_program");
