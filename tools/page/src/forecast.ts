@@ -25,10 +25,15 @@ const points = 1000;
 // While it stands its settings may change: they are asked for again.
 const askRampEveryMs = 1000;
 
+// The values of a state are read one after the other: it may move already, and have its old target.
+const targetFollowsMs = 500;
+
 interface Known {
   state: StateTold;
   ramp: Ramp | null;
   askedAt: number;
+  /** When it was seen moving, by the clock of tmcld. */
+  movesSinceMs: number | null;
 }
 /** Of each axis that stands. */
 const atRest = new Map<string, Known>();
@@ -51,6 +56,9 @@ export function followState(state: StateTold, onNew: (forecast: Forecast) => voi
   const isAboutToMove = known !== undefined && known.state.target_microsteps !== target && !state.position_reached;
   if (!state.moving && !isAboutToMove) return rest(state);
   if (!state.moving || !known) return;
+  known.movesSinceMs ??= state.event_time_ms;
+  const mayFollow = state.event_time_ms - known.movesSinceMs < targetFollowsMs;
+  if (known.state.target_microsteps === target && mayFollow) return;
   atRest.delete(axis);
   if (known.ramp) void foresee(known.state, state, known.ramp, onNew);
 }
@@ -58,7 +66,7 @@ export function followState(state: StateTold, onNew: (forecast: Forecast) => voi
 function rest(state: StateTold): void {
   const known = atRest.get(state.axis);
   const isSoon = known && performance.now() - known.askedAt < askRampEveryMs;
-  const next = { state, ramp: known?.ramp ?? null, askedAt: isSoon ? known.askedAt : performance.now() };
+  const next: Known = { state, ramp: known?.ramp ?? null, askedAt: isSoon ? known.askedAt : performance.now(), movesSinceMs: null };
   atRest.set(state.axis, next);
   if (isSoon) return;
   call("axis.get_ramp", { axis: state.axis }).then(
