@@ -134,6 +134,7 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   facts.scale = std::move(*scale);
   facts.limits = axis.soft_limits();
   if (const auto jump = axis.corner_jump()) facts.corner_jump = *jump;
+  facts.encoder_counts_per_unit = axis.encoder_counts_per_unit();
   if (facts.model == nullptr) co_return facts;
   const auto read = co_await axis.perform(read_for_path(axis.address(), *facts.model), {});
   if (!read) co_return tl::unexpected(read.error());
@@ -307,13 +308,43 @@ PathRun::OnProgress path_progress_to(const Call& call) {
   };
 }
 
-path::Curve seen_of(const std::vector<plan::SeenPlace>& seen, std::size_t axes) {
+path::Curve curve_of_seen(const std::vector<plan::SeenPlace>& seen, std::size_t axes,
+                          plan::AxisValues plan::SeenPlace::*place) {
   path::Curve curve;
-  for (const auto& [at_s, place] : seen) {
-    curve.times_s.push_back(at_s);
-    curve.positions.push_back(to_list(place, axes));
+  for (const auto& one : seen) {
+    curve.times_s.push_back(one.at_s);
+    curve.positions.push_back(to_list(one.*place, axes));
   }
   return curve;
+}
+
+/// What is told alike of a Passage and a MotorPassage. `all`: also of axes that were not looked at.
+template <class Passed>
+void tell(const plan::CourseSight& sight, const std::vector<std::string>& names, double tolerance,
+          bool all, Passed& passed) {
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& axis = sight.axes[i];
+    if (all || axis.readings > 0)
+      passed.tracking_error.push_back({axis.largest, axis.rms(), axis.readings, names[i]});
+  }
+  passed.off_path = sight.largest_off;
+  passed.off_path_at_s = sight.largest_off_at_s;
+  passed.off_path_at = to_list(sight.largest_off_at, names.size());
+  passed.lag_s = sight.largest_lag_s;
+  if (sight.largest_off > tolerance) passed.tolerance_exceeded_by = sight.largest_off - tolerance;
+  if (sight.seen.empty()) return;
+  passed.seen = curve_of_seen(sight.seen, names.size(), &plan::SeenPlace::place);
+  passed.on_path = curve_of_seen(sight.seen, names.size(), &plan::SeenPlace::on_path);
+}
+
+std::optional<path::MotorPassage> motors_of(const plan::StreamReport& report,
+                                            const std::vector<std::string>& names,
+                                            double tolerance) {
+  if (!report.motors) return std::nullopt;
+  path::MotorPassage motors;
+  tell(*report.motors, names, tolerance, false, motors);
+  if (motors.tracking_error.empty()) return std::nullopt;
+  return motors;
 }
 
 path::Passage passage_of(const PathRun& run, double tolerance) {
@@ -331,18 +362,9 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
   passage.bus_load = a_second(report.busy_s);
   passage.round_trip_us = 1e6 * tmcl::seconds(report.round_trip);
   const auto names = run.axis_names();
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto& axis = report.axes[i];
-    passage.tracking_error.push_back({axis.largest, axis.rms(), axis.readings, names[i]});
-  }
-  passage.off_path = report.largest_off;
-  passage.off_path_at_s = report.largest_off_at_s;
-  passage.off_path_at = to_list(report.largest_off_at, names.size());
-  passage.lag_s = report.largest_lag_s;
-  if (report.largest_off > tolerance)
-    passage.tolerance_exceeded_by = report.largest_off - tolerance;
+  tell(report, names, tolerance, true, passage);
   passage.remarks = remarks_of(run);
-  if (!report.seen.empty()) passage.seen = seen_of(report.seen, names.size());
+  passage.motors = motors_of(report, names, tolerance);
   return passage;
 }
 
@@ -351,6 +373,13 @@ std::string tolerance_warning(double tolerance, double by, double at_s) {
       "the tolerance of {} was exceeded by at least {}, where positions were read, at {} s; a "
       "lower velocity or acceleration, or another mode, keeps nearer to the path",
       tmcl::plain_number(tolerance, 6), tmcl::plain_number(by, 3), tmcl::plain_number(at_s, 4));
+}
+
+std::string motors_warning(double tolerance, const path::MotorPassage& motors) {
+  return fmt::format(
+      "by their encoders the motors exceeded the tolerance of {} by at least {}, at {} s",
+      tmcl::plain_number(tolerance, 6), tmcl::plain_number(*motors.tolerance_exceeded_by, 3),
+      tmcl::plain_number(motors.off_path_at_s, 4));
 }
 
 }  // namespace
@@ -391,7 +420,9 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
       params.plan ? planned_before(call, params) : plan_for(call, params, false, std::move(look));
   auto planned = co_await must(std::move(planning));
   const auto most_seen = static_cast<std::size_t>(params.points.value_or(0));
-  const auto place = place_for(call, planned.course.bytes() + most_seen * sizeof(plan::SeenPlace));
+  // By positions, and by encoders.
+  const auto place =
+      place_for(call, planned.course.bytes() + 2 * most_seen * sizeof(plan::SeenPlace));
   if (!place) {
     if (params.plan) keep_again(call, std::move(planned));
     co_return tl::unexpected(place.error());
@@ -419,6 +450,8 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   if (run->report().fault) co_return error_of(*run, api::to_json(passage));
   if (const auto by = passage.tolerance_exceeded_by)
     warnings.push_back(tolerance_warning(planned.request.tolerance, *by, passage.off_path_at_s));
+  if (passage.motors && passage.motors->tolerance_exceeded_by)
+    warnings.push_back(motors_warning(planned.request.tolerance, *passage.motors));
   co_return path::Passed{std::move(passage), std::move(warnings), std::move(*expected)};
 }
 

@@ -40,7 +40,9 @@ Task<Cast> cast_of(const std::vector<std::shared_ptr<GatewayAxis>>& axes,
   for (std::size_t i = 0; i < axes.size(); ++i) {
     auto twin = co_await must(axes[i]->twin({}), *axes[i]);
     if (!twin) co_return Cast{};
-    cast.axes.push_back({known[i].stream, std::move(*twin), axes[i]->ramp_settings()});
+    auto stream = known[i].stream;
+    stream.encoder.reset();  // A twin has none.
+    cast.axes.push_back({std::move(stream), std::move(*twin), axes[i]->ramp_settings()});
     cast.command = std::max(cast.command, known[i].command);
   }
   co_return cast;

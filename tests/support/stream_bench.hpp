@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -53,6 +54,7 @@ class StreamBench {
   double most_deviation = 1;
   std::size_t most_seen = 0;
   std::optional<Shaping> shaping;
+  std::map<std::uint8_t, StreamEncoder> encoders;  ///< Of axes; the module here has none.
   std::vector<DriveCommand> commands;
 
   /// In mm and seconds.
@@ -165,6 +167,8 @@ class StreamBench {
     made.greatest_acceleration = most(ap::max_acceleration);
     made.greatest_stop_velocity = most(20);
     if (made.twin) made.twin->set(settings(axis));
+    if (const auto found = encoders.find(axis); found != encoders.end())
+      made.encoder = found->second;
     return made;
   }
 

@@ -372,6 +372,16 @@ TEST(CtlPlane, WhatWasOnlyPlannedIsNoDashedLine) {
   EXPECT_THAT(both, HasSubstr(">planned<"));
 }
 
+TEST(CtlPlane, WhatIsEnlargedIsALineWithinTheFrame) {
+  Plane plane{"both", "x", "y", {{0, 300}, {0, 0}}, {{0, 300}, {0, 10}}};
+  plane.enlarged = {{0, 400}, {0, -100}};
+  plane.enlarged_name = "ten <times> off";
+  const auto svg = to_svg(plane);
+  EXPECT_THAT(svg, HasSubstr("<polyline class=\"curve difference\" points=\"106.0,"));
+  EXPECT_THAT(svg, HasSubstr("ten &lt;times&gt; off"));
+  EXPECT_THAT(svg, HasSubstr("width=\"744.0\" height=\"224.9\"")) << "400 wide, 110 high";
+}
+
 TEST(CtlPlane, IsAboveAPictureThatEndsWithTheDocument) {
   const Plane plane{"a line", "x", "y", {{0, 400}, {0, -100}}, {}};
   const Picture picture{"", "s", {position_curve(trapezoid()), velocity_curve(trapezoid())}, {}};

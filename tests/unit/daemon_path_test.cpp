@@ -1,4 +1,6 @@
 // Paths that the daemon passes, on a simulated TMCM-6212 in the test's own process.
+#include <cmath>
+
 #include "tmcl/hex.hpp"
 #include "unit/daemon_path_fixture.hpp"
 #include "unit/throwing_peer.hpp"
@@ -56,7 +58,8 @@ TEST_P(DaemonPathInEachMode, SaysWhereItsAxesWereSeenIfAskedTo) {
     EXPECT_LT(place.at(0).to_number<double>(), 9.5);
   }
   const auto without = client->send("path.run", order("G1 X1 Y1 F600\n", in_mode()));
-  EXPECT_TRUE(client->answer_to(without).at("result").at("seen").is_null());
+  const auto plain = client->answer_to(without).at("result").as_object();
+  for (const auto* none : {"seen", "on_path", "motors"}) EXPECT_TRUE(plain.at(none).is_null());
 }
 
 TEST_P(DaemonPathInEachMode, SaysByHowMuchATightToleranceWasExceeded) {
@@ -73,6 +76,32 @@ TEST_P(DaemonPathInEachMode, SaysByHowMuchATightToleranceWasExceeded) {
   const auto kept = client->answer_to(wide).at("result").as_object();
   EXPECT_TRUE(kept.at("tolerance_exceeded_by").is_null());
   EXPECT_EQ(kept.at("warnings").as_array().size(), 0U);
+}
+
+/// The simulated one does not count: so the motor of y stands, for all that its encoder says.
+class DaemonPathWithAnEncoder : public DaemonPath {
+ protected:
+  DaemonPathWithAnEncoder() : DaemonPath(std::string(in_mm) + "encoder_counts_per_unit = 800\n") {}
+};
+
+TEST_F(DaemonPathWithAnEncoder, TheMotorsAreReportedOnBesideTheAxes) {
+  const auto id =
+      client->send("path.run", order("G1 X2 Y2 F600\n", {{"points", 20}, {"tolerance", 0.5}}));
+  const auto report = client->answer_to(id).at("result").as_object();
+  EXPECT_TRUE(report.at("tolerance_exceeded_by").is_null());
+  const auto& motors = report.at("motors").as_object();
+  ASSERT_EQ(motors.at("tracking_error").as_array().size(), 1U);
+  const auto& y = motors.at("tracking_error").at(0);
+  EXPECT_EQ(text(y.at("axis")), "y");
+  EXPECT_NEAR(y.at("largest").to_number<double>(), 2, 0.1);
+  const double off = motors.at("off_path").to_number<double>();
+  EXPECT_NEAR(off, std::sqrt(2), 0.1) << "x is at its end, and y at its start";
+  EXPECT_NEAR(motors.at("tolerance_exceeded_by").to_number<double>(), off - 0.5, 1e-9);
+  EXPECT_NEAR(motors.at("off_path_at").at(1).to_number<double>(), 0, 1e-9);
+  EXPECT_EQ(motors.at("seen").at("positions").as_array().size(),
+            motors.at("on_path").at("positions").as_array().size());
+  EXPECT_THAT(json::serialize(report.at("warnings")),
+              testing::HasSubstr("by their encoders the motors exceeded the tolerance of 0.5"));
 }
 
 TEST_P(DaemonPathInEachMode, AStopByAnotherClientStopsAll) {

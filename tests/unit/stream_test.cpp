@@ -103,11 +103,46 @@ TEST_P(EachMode, KeepsSomeOfThePlacesWhereTheAxesWereSeen) {
   EXPECT_GT(seen.back().at_s, 0.9 * report.passed_s);
   EXPECT_TRUE(std::ranges::is_sorted(seen, {}, &SeenPlace::at_s));
   constexpr double chords = 0.005;
-  for (const auto& [at_s, place] : seen) {
+  for (const auto& [at_s, place, on_path] : seen) {
     const double off = std::hypot(place[0] - radius, place[1]) - radius;
     EXPECT_LT(std::abs(off), report.largest_off + chords) << at_s;
+    EXPECT_NEAR(std::hypot(on_path[0] - radius, on_path[1]), radius, chords) << at_s;
+    EXPECT_LE(std::hypot(on_path[0] - place[0], on_path[1] - place[1]), report.largest_off + 1e-6);
   }
 }
+
+/// The motor of y slips by 0.08 mm half-way, and its counter runs over meanwhile.
+TEST_P(EachMode, WhatEncodersTellIsReportedBesideThePositions) {
+  constexpr std::uint8_t encoder_position = 209;
+  constexpr double slip = 0.08;
+  bench.encoders[1] = {encoder_position, -1000};
+  bench.most_seen = 100;
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
+    if (command.kind != Kind::get || command.parameter != encoder_position) return std::nullopt;
+    EXPECT_EQ(command.axis, 1U) << "x has none";
+    const double y = bench.mm(1) + (half_way() ? slip : 0);
+    const auto counted = static_cast<std::int32_t>(std::lround(-1000 * y));
+    return static_cast<std::int32_t>(0x80000001U + static_cast<std::uint32_t>(counted));
+  };
+  const auto report = bench.pass(circle(20, 0.1), GetParam());
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_LT(report.largest_off, 0.01);
+  ASSERT_TRUE(report.motors);
+  const auto& motors = *report.motors;
+  EXPECT_EQ(motors.axes[0].readings, 0U);
+  EXPECT_GT(motors.axes[1].readings, 50U);
+  EXPECT_NEAR(motors.axes[1].largest, slip, 0.02);
+  EXPECT_NEAR(motors.largest_off, slip, 0.01);
+  EXPECT_GT(motors.largest_off_at[0], radius - 0.1) << "not before it slipped";
+  ASSERT_GT(motors.seen.size(), 20U);
+  for (const auto& [at_s, place, on_path] : motors.seen) {
+    EXPECT_NEAR(std::hypot(on_path[0] - radius, on_path[1]), radius, 0.005) << at_s;
+    EXPECT_LE(std::hypot(on_path[0] - place[0], on_path[1] - place[1]), motors.largest_off + 1e-6);
+  }
+  expect_as_before();
+}
+
+TEST_P(EachMode, WithoutEncodersNothingIsToldOfMotors) { EXPECT_FALSE(pass().motors); }
 
 // Being late alone is no distance from the path.
 TEST_P(EachMode, TellsHowFarFromThePathTheAxesWereAndHowLateOnIt) {

@@ -1023,6 +1023,51 @@ export interface Methods {
         /** of each axis at each of them */
         positions: number[][];
       } | null;
+      /** the nearest point of the path to each of these */
+      on_path: {
+        /** of its points */
+        times_s: number[];
+        /** of each axis at each of them */
+        positions: number[][];
+      } | null;
+      /** the same by the encoders of the axes; null unless the configuration names one, and it was read */
+      motors: {
+        /** of each axis that has an encoder */
+        tracking_error: {
+          /** how far off its plan it was seen */
+          largest: number;
+          /** root of the mean square */
+          rms: number;
+          /** how often it was looked at */
+          readings: number;
+          /** name of the axis */
+          axis: string;
+        }[];
+        /** how far from the path the motors were seen at most, in the unit of the file; where an axis has no encoder, its position counts */
+        off_path: number;
+        /** when that was, in seconds of the course */
+        off_path_at_s: number;
+        /** where each motor was then */
+        off_path_at: number[];
+        /** how late on the path they were seen at most */
+        lag_s: number;
+        /** by how much off_path is more than the tolerance, at least; null if it is not */
+        tolerance_exceeded_by: number | null;
+        /** where the motors were seen, over the course; null unless points are asked for */
+        seen: {
+          /** of its points */
+          times_s: number[];
+          /** of each axis at each of them */
+          positions: number[][];
+        } | null;
+        /** the nearest point of the path to each of these */
+        on_path: {
+          /** of its points */
+          times_s: number[];
+          /** of each axis at each of them */
+          positions: number[][];
+        } | null;
+      } | null;
       /** warnings about the settings of its axes, and what of the file is not carried out */
       warnings: string[];
       /** what was expected before it began, as path.plan says; empty of a path that was planned before */

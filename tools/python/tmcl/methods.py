@@ -821,6 +821,28 @@ class PathRunTrackingError(Record):
 
 
 @dataclass(frozen=True)
+class PathRunMotors(Record):
+    #: of each axis that has an encoder
+    tracking_error: tuple[PathRunTrackingError, ...] = ()
+    #: how far from the path the motors were seen at most, in the unit of the file; where an
+    #: axis has no encoder, its position counts
+    off_path: float = 0.0
+    #: when that was, in seconds of the course
+    off_path_at_s: float = 0.0
+    #: where each motor was then
+    off_path_at: tuple[float, ...] = ()
+    #: how late on the path they were seen at most
+    lag_s: float = 0.0
+    #: by how much off_path is more than the tolerance, at least; null if it is not
+    tolerance_exceeded_by: float | None = None
+    #: where the motors were seen, over the course; null unless points are asked for
+    seen: PathPlanCurve | None = None
+    #: the nearest point of the path to each of these
+    on_path: PathPlanCurve | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "seen": PathPlanCurve, "on_path": PathPlanCurve}
+
+
+@dataclass(frozen=True)
 class PathRun(Record):
     #: how long it took
     passed_s: float = 0.0
@@ -855,12 +877,17 @@ class PathRun(Record):
     remarks: tuple[str, ...] = ()
     #: where the axes were seen, over the course; null unless points are asked for
     seen: PathPlanCurve | None = None
+    #: the nearest point of the path to each of these
+    on_path: PathPlanCurve | None = None
+    #: the same by the encoders of the axes; null unless the configuration names one, and it
+    #: was read
+    motors: PathRunMotors | None = None
     #: warnings about the settings of its axes, and what of the file is not carried out
     warnings: tuple[str, ...] = ()
     #: what was expected before it began, as path.plan says; empty of a path that was planned
     #: before
     expected: tuple[PathPlanExpected, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "seen": PathPlanCurve, "expected": PathPlanExpected}
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError, "seen": PathPlanCurve, "on_path": PathPlanCurve, "motors": PathRunMotors, "expected": PathPlanExpected}
 
 
 @dataclass(frozen=True)

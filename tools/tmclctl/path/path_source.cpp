@@ -1,6 +1,7 @@
 #include "path/path_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -86,16 +87,36 @@ void print_halts(const Course& course, Output& output) {
                               course.waits == 1 ? "once" : fmt::format("{} times", course.waits));
 }
 
-/// `second`: the axis that is drawn upwards.
-void add(const api::path::Passage& passage, std::size_t second, plot::Plane& plane) {
+constexpr double enlarged = 10;
+
+/// Of a Passage or a MotorPassage. `second`: the axis that is drawn upwards.
+template <class Passage>
+void add_seen(const Passage& passage, const char* whose, std::size_t second, plot::Plane& plane) {
   if (!passage.seen) return;
-  for (const auto& position : passage.seen->positions) {
-    plane.seen.x.push_back(position.at(0));
-    plane.seen.y.push_back(position.at(second));
+  const auto on_path = passage.on_path.value_or(Curve{}).positions;
+  const auto away = [&](std::size_t i, std::size_t axis) {
+    return std::lerp(on_path[i].at(axis), passage.seen->positions[i].at(axis), enlarged);
+  };
+  for (std::size_t i = 0; i < passage.seen->positions.size(); ++i) {
+    plane.seen.x.push_back(passage.seen->positions[i].at(0));
+    plane.seen.y.push_back(passage.seen->positions[i].at(second));
+    if (i >= on_path.size()) continue;
+    plane.enlarged.x.push_back(away(i, 0));
+    plane.enlarged.y.push_back(away(i, second));
   }
+  plane.enlarged_name = "ten times off";
   plane.marked = {passage.off_path_at.at(0), passage.off_path_at.at(second),
-                  fmt::format("{} off the path, at {} s", figure(passage.off_path, 3),
-                              figure(passage.off_path_at_s, 4))};
+                  fmt::format("{}{} off the path, at {} s, {}", whose, figure(passage.off_path, 3),
+                              figure(passage.off_path_at_s, 4), verdict_on(passage))};
+}
+
+/// By the motors where there are encoders.
+void add(const api::path::Passage& passage, std::size_t second, plot::Plane& plane) {
+  if (passage.motors && passage.motors->seen) {
+    add_seen(*passage.motors, "motors ", second, plane);
+  } else {
+    add_seen(passage, "", second, plane);
+  }
 }
 
 /// What a gateway says of a text that it cannot take, in the subject of an error.

@@ -9,6 +9,7 @@
 #include "plot/curve.hpp"
 #include "plot/shown.hpp"
 #include "tmcl/api/path.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
 namespace tmclctl::path {
@@ -37,6 +38,13 @@ Report part_done(const Error& error) {
   const auto* run = error.subject.if_contains("run");
   if (run != nullptr) tmcl::api::read_value(*run, report);
   return report;
+}
+
+/// "within the tolerance", or by how much not: of a Passage or a MotorPassage.
+template <class Passage>
+std::string verdict_on(const Passage& passage) {
+  if (!passage.tolerance_exceeded_by) return "within the tolerance";
+  return tmcl::plain_number(*passage.tolerance_exceeded_by, 3) + " more than the tolerance";
 }
 
 /// How long a path is and takes, where it goes.

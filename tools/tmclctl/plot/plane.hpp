@@ -29,6 +29,8 @@ struct Plane {
   Way planned;                          ///< Drawn as a line, a dashed one if something was seen.
   Way seen;                             ///< Drawn as dots; one that would hide another is left out.
   std::optional<MarkedPlace> marked{};  ///< Of what was seen; drawn as a ring.
+  Way enlarged{};                       ///< What was seen, farther from what was planned; a line.
+  std::string enlarged_name{};          ///< "ten times off"
 };
 
 std::string to_svg(const Plane& plane);

@@ -29,9 +29,10 @@ constexpr double far_away = 1e9;
 /// The values of one direction, and where they lie on the drawing.
 class Side {
  public:
-  Side(const std::vector<double>& planned, const std::vector<double>& seen) {
-    std::vector<double> values = planned;
-    values.insert(values.end(), seen.begin(), seen.end());
+  Side(const Plane& plane, std::vector<double> Way::*of) {
+    std::vector<double> values = plane.planned.*of;
+    for (const auto* way : {&plane.seen, &plane.enlarged})
+      values.insert(values.end(), (way->*of).begin(), (way->*of).end());
     const auto [least, greatest] = std::ranges::minmax(values);
     least_ = least;
     span_ = greatest - least;
@@ -60,8 +61,7 @@ class Side {
 
 class Drawing {
  public:
-  explicit Drawing(const Plane& plane)
-      : plane_(plane), x_(plane.planned.x, plane.seen.x), y_(plane.planned.y, plane.seen.y) {
+  explicit Drawing(const Plane& plane) : plane_(plane), x_(plane, &Way::x), y_(plane, &Way::y) {
     const double inner_width = widest - 2 * plane_padding;
     const double inner_height = tallest - 2 * plane_padding;
     // The direction with the greater span, by what there is for it, rules; a point has no scale.
@@ -74,7 +74,8 @@ class Drawing {
   static double width() { return plane_left + widest + right; }
   double height() const { return bottom() + below; }
   std::string body() const {
-    return frame() + grid() + names() + dots() + line() + ring() + legend();
+    return frame() + grid() + names() + dots() + line(plane_.enlarged, "difference") +
+           line(plane_.planned, is_compared() ? "planned" : "position") + ring() + legend();
   }
 
  private:
@@ -119,15 +120,14 @@ class Drawing {
                plane_left + x_.length() / 2, bottom() + 40, escape_xml(plane_.x_name));
   }
 
-  std::string line() const {
+  std::string line(const Way& way, const char* kind) const {
     std::string points;
-    for (std::size_t i = 0; i < plane_.planned.x.size(); ++i) {
+    for (std::size_t i = 0; i < way.x.size(); ++i) {
       fmt::format_to(std::back_inserter(points), "{}{:.1f},{:.1f}", i == 0 ? "" : " ",
-                     x_of(plane_.planned.x[i]), y_of(plane_.planned.y[i]));
+                     x_of(way.x[i]), y_of(way.y[i]));
     }
     if (points.empty()) return "";
-    return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n",
-                       is_compared() ? "planned" : "position", points);
+    return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n", kind, points);
   }
   bool is_compared() const { return !plane_.seen.x.empty(); }
 
@@ -172,15 +172,19 @@ class Drawing {
     if (!is_compared()) return "";
     std::string text;
     double x = plane_left + widest - 90;
-    const auto name = [&](const char* what) {
-      text += fmt::format("  <text x=\"{}\" y=\"{}\">{}</text>\n", x + 32, top - 10, what);
+    const auto name = [&](const std::string& what) {
+      text +=
+          fmt::format("  <text x=\"{}\" y=\"{}\">{}</text>\n", x + 32, top - 10, escape_xml(what));
       x -= 110;
     };
-    if (!plane_.planned.x.empty()) {
-      text += fmt::format("  <polyline class=\"curve planned\" points=\"{},{} {},{}\"/>\n", x,
+    const auto add = [&](const Way& way, const char* kind, const std::string& what) {
+      if (way.x.empty()) return;
+      text += fmt::format("  <polyline class=\"curve {}\" points=\"{},{} {},{}\"/>\n", kind, x,
                           top - 14, x + 26, top - 14);
-      name("planned");
-    }
+      name(what);
+    };
+    add(plane_.enlarged, "difference", plane_.enlarged_name);
+    add(plane_.planned, "planned", "planned");
     text += dotted(fmt::format("M{0} {1}h0M{2} {1}h0M{3} {1}h0", x + 6, top - 14, x + 15, x + 24));
     name("seen");
     return text;

@@ -154,16 +154,23 @@ Result<void> draw(const verb::RunPath& verb, const api::path::Planned& plan, Out
   return svg.write(path::to_svg(verb.file, plan.course, curve, drawn));
 }
 
-void print(const api::path::Passed& report, StreamMode mode, Output& output) {
-  const bool by_position = mode == StreamMode::position;
-  Table table({"AXIS", "LARGEST ERROR", "RMS", "READINGS"});
-  for (const auto& axis : report.tracking_error)
+/// Of what its positions say, or its encoders.
+template <class Passage>
+void print_seen(const Passage& passage, const char* what, const char* who, Output& output) {
+  Table table({what, "LARGEST ERROR", "RMS", "READINGS"});
+  for (const auto& axis : passage.tracking_error)
     table.add({axis.axis, fmt::format("{:.4f}", axis.largest), fmt::format("{:.4f}", axis.rms),
                std::to_string(axis.readings)});
   table.print(output);
   output.out << fmt::format(
-      "seen at most {:.4f} off the path, at {:.3f} s, and {:.1f} ms late on it\n", report.off_path,
-      report.off_path_at_s, 1e3 * report.lag_s);
+      "{}seen at most {:.4f} off the path, at {:.3f} s, {}, and {:.1f} ms late on it\n", who,
+      passage.off_path, passage.off_path_at_s, path::verdict_on(passage), 1e3 * passage.lag_s);
+}
+
+void print(const api::path::Passed& report, StreamMode mode, Output& output) {
+  const bool by_position = mode == StreamMode::position;
+  print_seen(report, "AXIS", "", output);
+  if (report.motors) print_seen(*report.motors, "ENCODER OF", "motors ", output);
   output.out << fmt::format("{} {} in {:.3f} s, {} {:.1f} ms, at most {:.1f} ms late\n",
                             report.updates, by_position ? "legs" : "updates", report.passed_s,
                             mode == StreamMode::velocity ? "one every" : "the shortest takes",
@@ -176,6 +183,11 @@ void print(const api::path::Passed& report, StreamMode mode, Output& output) {
 /// What was asked for to be drawn is not told as well.
 void leave_out_places(boost::json::object& report) {
   report.erase(api::name_of<&api::path::Passage::seen>());
+  report.erase(api::name_of<&api::path::Passage::on_path>());
+  auto* motors = report.if_contains(api::name_of<&api::path::Passage::motors>());
+  if (motors == nullptr || !motors->is_object()) return;
+  motors->as_object().erase(api::name_of<&api::path::MotorPassage::seen>());
+  motors->as_object().erase(api::name_of<&api::path::MotorPassage::on_path>());
 }
 
 Result<ExitCode> tell(PathEnd end, StreamMode mode, Output& output) {
@@ -262,7 +274,9 @@ and --feed are in the units of the file, or have a unit with them: 20mm/s, 500mm
                     there, only where its speed changes; no table with times
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
                     with times
---svg draws the path, where the axes were seen on it, and a ring where they were farthest off.
+--svg draws the path, where the axes were seen on it, and a ring where they were farthest off; and as a
+line how far off they were, ten times as far. Where the configuration names encoders, these tell where the
+motors were: they are read where an update leaves time, are printed as well, and are what is drawn.
 --shape lets loads that swing hardly swing after the path ('tmclctl path check --help' says how); --dry-run
 says what that costs. Not in position mode.
 Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it

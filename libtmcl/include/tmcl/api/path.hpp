@@ -74,6 +74,23 @@ struct Tracking {
   TMCL_FIELD(std::uint64_t, readings, "how often it was looked at");
   TMCL_FIELD(std::string, axis, axis::axis_summary);
 };
+/// Where the encoders of its axes saw them.
+struct MotorPassage {
+  TMCL_STRUCT(MotorPassage);
+  TMCL_FIELD(std::vector<Tracking>, tracking_error, "of each axis that has an encoder");
+  TMCL_FIELD(
+      double, off_path,
+      "how far from the path the motors were seen at most, in the unit of the file; where an axis "
+      "has no encoder, its position counts");
+  TMCL_FIELD(double, off_path_at_s, "when that was, in seconds of the course");
+  TMCL_FIELD(std::vector<double>, off_path_at, "where each motor was then");
+  TMCL_FIELD(double, lag_s, "how late on the path they were seen at most");
+  TMCL_FIELD(std::optional<double>, tolerance_exceeded_by,
+             "by how much off_path is more than the tolerance, at least; null if it is not");
+  TMCL_FIELD(std::optional<Curve>, seen,
+             "where the motors were seen, over the course; null unless points are asked for");
+  TMCL_FIELD(std::optional<Curve>, on_path, "the nearest point of the path to each of these");
+};
 /// As far as it has been passed.
 struct Passage {
   TMCL_STRUCT(Passage);
@@ -101,6 +118,10 @@ struct Passage {
              "what else is to be said, such as of a parameter not set back");
   TMCL_FIELD(std::optional<Curve>, seen,
              "where the axes were seen, over the course; null unless points are asked for");
+  TMCL_FIELD(std::optional<Curve>, on_path, "the nearest point of the path to each of these");
+  TMCL_FIELD(std::optional<MotorPassage>, motors,
+             "the same by the encoders of the axes; null unless the configuration names one, and "
+             "it was read");
 };
 /// What the axes are expected to make of it in a mode, by their twins.
 struct Expected {

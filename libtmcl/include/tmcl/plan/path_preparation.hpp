@@ -109,6 +109,8 @@ struct PathAxisFacts {
   Microsteps position{};
   bool moving = false;
   Duration command{};  ///< How long a command to it takes.
+  /// Of its unit, if an encoder tells where its motor is.
+  std::optional<double> encoder_counts_per_unit{};
 };
 
 struct PathAxis {

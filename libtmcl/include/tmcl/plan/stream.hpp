@@ -62,6 +62,12 @@ enum class StreamMode : std::uint8_t { velocity, segments, position };
 std::string_view name_of(StreamMode mode);
 std::optional<StreamMode> stream_mode_named(std::string_view name);
 
+/// What tells where the motor of an axis is, whatever its generator says.
+struct StreamEncoder {
+  std::uint8_t parameter = 0;  ///< That has what it counts, 32 bits.
+  double counts_per_unit = 1;  ///< Of the course; negative where it counts the other way.
+};
+
 /// An axis of the course, and how its module counts.
 struct StreamAxis {
   double microsteps_per_unit = 1;  ///< Negative where the axis counts the other way.
@@ -71,6 +77,9 @@ struct StreamAxis {
   std::int32_t greatest_stop_velocity = 0;  ///< That parameter 20 takes; position mode only.
   std::optional<AxisTwin> twin{};           ///< Set as the axis is; position mode only.
   Family family = Family::firmware;         ///< Velocity mode, and by segments.
+  /// Only reported on: read where an update leaves time to, and in place of some positions. Where
+  /// the course starts it counts as being where the axis is.
+  std::optional<StreamEncoder> encoder{};
 };
 
 struct StreamOptions {
@@ -101,9 +110,21 @@ struct AxisTracking {
 struct SeenPlace {
   double at_s = 0;  ///< In seconds of the course.
   AxisValues place{};
+  AxisValues on_path{};  ///< The point of the path that is nearest.
 };
 
-struct StreamReport : DriveReport {
+/// How near to their course axes were seen.
+struct CourseSight {
+  std::vector<AxisTracking> axes;
+  double largest_off = 0;       ///< Across the path, as far as readings tell; in units.
+  double largest_off_at_s = 0;  ///< When that was, in seconds of the course.
+  AxisValues largest_off_at{};  ///< Where the axes were then.
+  double largest_lag_s = 0;     ///< Along it: how late the axes were at most.
+  std::vector<SeenPlace> seen;  ///< In the order of time.
+};
+
+/// By the positions of the axes.
+struct StreamReport : DriveReport, CourseSight {
   Duration round_trip{};        ///< Mean of a command's.
   Duration worst_round_trip{};  ///< Before anything moved.
   Duration period{};            ///< Of updates; position mode: the least time for a leg.
@@ -112,12 +133,8 @@ struct StreamReport : DriveReport {
   std::size_t commands = 0;     ///< While the course was passed.
   double passed_s = 0;          ///< How long that took.
   double busy_s = 0;            ///< How much of that commands took.
-  std::vector<AxisTracking> axes;
-  double largest_off = 0;       ///< Across the path, as far as readings tell; in units.
-  double largest_off_at_s = 0;  ///< When that was, in seconds of the course.
-  AxisValues largest_off_at{};  ///< Where the axes were then.
-  double largest_lag_s = 0;     ///< Along it: how late the axes were at most.
-  std::vector<SeenPlace> seen;  ///< In the order of time.
+  /// By the encoders of those that have one, and the positions of the others; nothing without any.
+  std::optional<CourseSight> motors;
 };
 
 /// What part of the planned speed a course may be passed with, if another one is asked for.

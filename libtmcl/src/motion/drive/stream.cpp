@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "motion/drive/place_on_path.hpp"
 #include "motion/drive/stream_runner.hpp"
 #include "tmcl/plain_number.hpp"
 
@@ -61,9 +60,12 @@ StreamRunner::StreamRunner(const Course& course, std::vector<StreamAxis> axes,
       options_(options),
       axes_(std::move(axes)),
       told_(axes_.size()),
-      clock_(course_) {
-  report_.axes.resize(axes_.size());
-  report_.seen.reserve(options_.most_seen);
+      clock_(course_),
+      watch_(course_, report_, axes_.size(), options_.most_seen),
+      start_counts_(axes_.size()) {
+  const auto has_encoder = [](const StreamAxis& axis) { return axis.encoder.has_value(); };
+  if (!std::ranges::any_of(axes_, has_encoder)) return;
+  motor_watch_.emplace(course_, report_.motors.emplace(), axes_.size(), options_.most_seen);
 }
 
 void StreamRunner::on_answered(Duration took) {
@@ -101,6 +103,17 @@ StreamScript StreamRunner::measure() {
     }
   }
   report_.round_trip = total / count;
+  auto unknown = co_await start_encoders();
+  co_return unknown;
+}
+
+StreamScript StreamRunner::start_encoders() {
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    if (!axes_[axis].encoder) continue;
+    co_await command({Kind::get, axis, axes_[axis].encoder->parameter, 0});
+    if (!answer_) co_return refusal(axis);
+    start_counts_[axis] = *answer_;
+  }
   co_return std::nullopt;
 }
 
@@ -221,12 +234,9 @@ DriveRunner::Fault StreamRunner::take_reading(std::size_t axis) {
   const auto planned = planned_position(axis);
   const double position = *answer_ / axes_[axis].microsteps_per_unit;
   const double off = position - planned;
-  auto& tracking = report_.axes[axis];
-  ++tracking.readings;
-  tracking.largest = std::max(tracking.largest, std::abs(off));
-  tracking.squares += off * off;
-  off_plan_[axis] = off;
-  note_place_on_path();
+  watch_.note(axis, off);
+  watch_.look(clock_.passed(), planned_positions());
+  if (motor_watch_ && !axes_[axis].encoder) motor_watch_->assume(axis, off);
   if (std::abs(off) <= options_.most_deviation) return std::nullopt;
   return fault(
       DriveFault::Kind::off_course, axis,
@@ -234,30 +244,32 @@ DriveRunner::Fault StreamRunner::take_reading(std::size_t axis) {
                   plain_number(position, 6), plain_number(options_.most_deviation, 6)));
 }
 
-// What the axes are off their plan in time is a distance from the path and a delay on it.
-void StreamRunner::note_place_on_path() {
-  auto place = course_.at(clock_.passed()).position;
-  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
-    place[axis] = planned_position(axis) + off_plan_[axis];
-  const auto [off, lag] = place_on_path(course_, clock_.passed(), place, report_.largest_off);
-  report_.largest_lag_s = std::max(report_.largest_lag_s, lag);
-  keep(place);
-  if (off <= report_.largest_off) return;
-  report_.largest_off = off;
-  report_.largest_off_at_s = passed();
-  report_.largest_off_at = place;
+AxisValues StreamRunner::planned_positions() const {
+  AxisValues planned{};
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) planned[axis] = planned_position(axis);
+  return planned;
 }
 
-void StreamRunner::keep(const AxisValues& place) {
-  if (options_.most_seen == 0 || ++readings_since_kept_ < readings_for_each_kept_) return;
-  readings_since_kept_ = 0;
-  auto& seen = report_.seen;
-  if (seen.size() == options_.most_seen) {
-    for (std::size_t i = 0; i < seen.size() / 2; ++i) seen[i] = seen[2 * i];
-    seen.resize(seen.size() / 2);
-    readings_for_each_kept_ *= 2;
-  }
-  seen.push_back({passed(), place});
+// Counted from where it stood: the counter may have run over meanwhile.
+void StreamRunner::take_count(std::size_t axis) {
+  clock_.advance(middle());
+  const auto counted = static_cast<std::int32_t>(static_cast<std::uint32_t>(*answer_) -
+                                                 static_cast<std::uint32_t>(start_counts_[axis]));
+  const double position =
+      course_.at(0).position[axis] + counted / axes_[axis].encoder->counts_per_unit;
+  motor_watch_->note(axis, position - planned_position(axis));
+  motor_watch_->look(clock_.passed(), planned_positions());
+}
+
+StreamScript StreamRunner::look_at_encoder(TimePoint limit) {
+  if (!motor_watch_ || now_ + report_.worst_round_trip > limit) co_return std::nullopt;
+  do {
+    encoder_ = (encoder_ + 1) % axes_.size();
+  } while (!axes_[encoder_].encoder);
+  co_await command({Kind::get, encoder_, axes_[encoder_].encoder->parameter, 0});
+  if (!answer_) co_return refusal(encoder_);
+  take_count(encoder_);
+  co_return std::nullopt;
 }
 
 // Whether it does what it was told last.

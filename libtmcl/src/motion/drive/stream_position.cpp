@@ -159,7 +159,12 @@ StreamScript PositionRunner::pass_course() {
       if (!wrong) wrong = co_await load_ramps(here);
       if (wrong) co_return wrong;
     }
-    const auto read = i % axes_.size();
+    if (reads_encoder(i)) {
+      wrong = co_await look_at_encoder();
+      if (wrong) co_return wrong;
+      continue;
+    }
+    const auto read = next_to_read();
     wrong = co_await read_position(read);
     if (wrong) co_return wrong;
     correct_twin(read);
@@ -290,7 +295,11 @@ StreamScript PositionRunner::watch_until(TimePoint due) {
     if (!wrong) wrong = co_await read_position(watched_);
     if (wrong) co_return wrong;
     correct_twin(watched_);
+    wrong = co_await look_at_encoder(due - look_takes);
+    if (wrong) co_return wrong;
   }
+  auto unseen = co_await look_at_encoder(due - look_takes);
+  if (unseen) co_return unseen;
   co_await until(due);
   co_return asked_to_stop();
 }

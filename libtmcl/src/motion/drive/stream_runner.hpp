@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "motion/drive/course_clock.hpp"
+#include "motion/drive/course_watch.hpp"
 #include "motion/drive/drive_runner.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/stream.hpp"
@@ -79,6 +80,13 @@ class StreamRunner : public DriveRunner {
   std::int32_t microsteps(std::size_t axis, double position) const;
   Script<Fault> check(std::size_t axis);
   Script<Fault> read_position(std::size_t axis);
+  /// Of the next axis that has one, if that is over by then.
+  Script<Fault> look_at_encoder(TimePoint limit = TimePoint::max());
+  /// Whether this reading is of an encoder, and not of a position: each fourth, as short segments
+  /// and legs leave no time for both.
+  bool reads_encoder(std::size_t reading) const { return motor_watch_ && reading % 4 == 3; }
+  /// The axis whose position is read next, in turn.
+  std::size_t next_to_read() { return positions_read_++ % axes(); }
   Fault note_delay(Duration late, Duration period);
 
   const Course& course_;
@@ -99,17 +107,20 @@ class StreamRunner : public DriveRunner {
   Script<Fault> arrive_at_end();
   Script<Fault> go_to(AxisValues position, TimePoint limit);
   Script<Fault> check_all();
+  Script<Fault> start_encoders();
   Fault take_reading(std::size_t axis);
-  void note_place_on_path();
-  void keep(const AxisValues& place);
+  void take_count(std::size_t axis);
+  AxisValues planned_positions() const;
   Script<Fault> come_to_halt();
   Script<Fault> carry_out(const CourseHalt& halt);
   Fault not_carried_out(const CourseHalt& halt, const Error& error) const;
   std::vector<std::uint8_t> take_words_at_stop() override;
 
-  AxisValues off_plan_{};  // of each axis, as it was read last
-  std::size_t readings_for_each_kept_ = 1;
-  std::size_t readings_since_kept_ = 0;
+  CourseWatch watch_;
+  std::optional<CourseWatch> motor_watch_;
+  std::vector<std::int32_t> start_counts_;  // of the encoders, where the path starts
+  std::size_t positions_read_ = 0;
+  std::size_t encoder_ = 0;  // the axis whose encoder was looked at last
   Phase phase_ = Phase::before;
   bool may_go_on_ = false;
   // What may have been switched on, by the word that switches it off.

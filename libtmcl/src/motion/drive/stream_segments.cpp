@@ -183,7 +183,11 @@ StreamScript SegmentRunner::pass_segment(const SegmentSpan& span) {
   }
   wrong = co_await turn_late_ones(span);
   if (wrong) co_return wrong;
-  const auto read = report_.updates % axes_.size();
+  if (reads_encoder(report_.updates)) {
+    wrong = co_await look_at_encoder();
+    co_return wrong;
+  }
+  const auto read = next_to_read();
   wrong = co_await read_position(read);
   if (wrong) co_return wrong;
   correct(read);
@@ -208,6 +212,8 @@ StreamScript SegmentRunner::turn_late_ones(const SegmentSpan& span) {
 
 // Until it is time for the next one, or for a pause.
 StreamScript SegmentRunner::watch_segment(const SegmentSpan& span, TimePoint until_time) {
+  auto unseen = co_await look_at_encoder(until_time - report_.period);
+  if (unseen) co_return unseen;
   while (now_ < until_time && span.goes_with(clock_)) {
     const bool has_time = until_time - now_ > watch_interval + report_.period;
     co_await until(std::min(until_time, now_ + watch_interval));
@@ -220,6 +226,7 @@ StreamScript SegmentRunner::watch_segment(const SegmentSpan& span, TimePoint unt
     if (!wrong) wrong = co_await read_position(watched_);
     if (!wrong) correct(watched_);
     if (!wrong) wrong = co_await bring_back(watched_, span);
+    if (!wrong) wrong = co_await look_at_encoder(until_time - report_.period);
     if (wrong) co_return wrong;
   }
   clock_.advance(now_);

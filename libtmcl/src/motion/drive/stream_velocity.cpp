@@ -106,6 +106,8 @@ StreamScript VelocityRunner::pass_course() {
     auto off = co_await read_position(read);
     if (off) co_return off;
     correct(read);
+    off = co_await look_at_encoder(begin + report_.period);
+    if (off) co_return off;
     clock_.advance(now_);
     if (stands_at_halt()) {
       wrong = co_await pass_halt({});

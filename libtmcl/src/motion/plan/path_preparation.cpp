@@ -46,6 +46,15 @@ std::optional<PathObjection> objection_to_unit(const PathSource& source,
                                          needed, axis, facts.scale->unit));
 }
 
+std::optional<StreamEncoder> encoder_of(const PathAxisFacts& facts) {
+  const auto table = axis_parameters(*facts.model);
+  const auto row = std::ranges::find(table, "encoder_position", &ParameterInfo::name);
+  if (!facts.encoder_counts_per_unit || facts.scale->unit.empty() || row == table.end())
+    return std::nullopt;
+  const double direction = facts.scale->reverse ? -1 : 1;
+  return StreamEncoder{row->number, direction * *facts.encoder_counts_per_unit};
+}
+
 PathResult<double> microsteps_of_unit(const PathAxisFacts& facts, std::optional<double> per_turn) {
   const auto& name = facts.choice.axis;
   if (!facts.scale) {
@@ -240,7 +249,8 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                  greatest(ap::max_acceleration),
                  greatest(number_of("stop_velocity")),
                  {},
-                 facts.model->family};
+                 facts.model->family,
+                 encoder_of(facts)};
   axis.limits = facts.limits;
   axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;
   axis.stands_at = facts.position.value / *scale;
