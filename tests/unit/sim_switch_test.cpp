@@ -123,12 +123,15 @@ TEST_F(SimSwitches, StopTheMotorOfASixPointModule) {
 
 TEST_F(SimSwitches, SlowDownTheMotorOfATmc457) {
   add(142, StageSettings{.right_switch = 30'000});
+  constexpr std::uint8_t stop_deceleration = 15;
+  ask(Command::SAP, ap::max_velocity, 0, 5'000'000);  // 74,505.8 microsteps/s
+  ask(Command::SAP, stop_deceleration, 0, 2'000);     // 116,415 microsteps/s^2
+  for (const std::uint8_t parameter : {16, 17}) ask(Command::SAP, parameter, 0, 24'624);
   move_to(10'000'000);
   pass(seconds(60));
   EXPECT_EQ(get(ap::actual_velocity), 0);
   EXPECT_EQ(get(right_switch), 1);
-  EXPECT_GE(get(ap::actual_position), 30'000);
-  EXPECT_LT(get(ap::actual_position), 10'000'000);
+  EXPECT_NEAR(get(ap::actual_position), 30'000 + 23'842, 3) << "v^2 / 2d behind the switch";
 }
 
 TEST_F(SimSwitches, ActInTheMomentTheyArePressed) {

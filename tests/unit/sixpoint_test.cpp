@@ -159,7 +159,12 @@ TEST(SixPoint, GoesThroughAllOfItsPhases) {
 TEST(SixPoint, UsesNeitherA1NorD1WithoutV1) {
   const auto axis = axis_with({{Register::a1, 7}, {Register::d1, 7}, {Register::xtarget, 20'000}});
   const auto phases = phases_of(axis);
+  EXPECT_GE(phases.size(), 2U);
   for (const auto& phase : phases) EXPECT_TRUE(phase != "A1" && phase != "D1");
+  const auto other =
+      axis_with({{Register::a1, 60'000}, {Register::d1, 60'000}, {Register::xtarget, 20'000}});
+  ASSERT_TRUE(arrival(axis, last_tick));
+  EXPECT_EQ(arrival(axis, last_tick), arrival(other, last_tick));
 }
 
 TEST(SixPoint, ShowsTheAccelerationInUse) {

@@ -223,6 +223,19 @@ TEST(Tmc429, NeedsOneStepTimeAtVMinForTheLastStep) {
   EXPECT_NEAR(seconds(*arrival), 0.131, 0.001);
 }
 
+TEST(Tmc429, StopsOnItsTargetFromTheMinimumVelocity) {
+  auto axis = axis_with({{5, 5}, 1000, 500});
+  axis.write(R::v_min, 200);
+  axis.write(R::x_target, 4000);
+  const auto there = ramp::arrival(axis, ticks(10));
+  ASSERT_TRUE(there);
+  axis.advance_to(*there - 1);
+  EXPECT_EQ(axis.v_actual(), 200);
+  axis.advance_to(*there);
+  EXPECT_EQ(axis.v_actual(), 0);
+  EXPECT_EQ(axis.x_actual(), 4000);
+}
+
 TEST(Tmc429, SlowsDownExponentiallyInSoftMode) {
   auto axis = axis_with({{4, 4}, 1000, 100});
   axis.write(Mode::soft);
