@@ -103,11 +103,6 @@ void add_tools(Draft& draft, const Said<ConfigNumbers>& said) {
 
 }  // namespace
 
-std::string to_string(const OutputSetting& output) {
-  return fmt::format("{}:{}{}{} {}", output.bus, output.module.value, output_word, output.port,
-                     output.value);
-}
-
 void add_path(Draft& draft, const PathSection& section) {
   for (const auto& [word, key] : path_word_keys) add_word(draft, word, section.*key);
   for (std::size_t i = 0; i < path_origin_keys.size(); ++i)

@@ -186,12 +186,13 @@ struct PathWordKey {
   std::uint8_t word;
   Said<std::string> PathSection::*key;
 };
-constexpr std::array path_word_keys{
+inline constexpr std::array path_word_keys{
     PathWordKey{3, &PathSection::m3}, PathWordKey{4, &PathSection::m4},
     PathWordKey{5, &PathSection::m5}, PathWordKey{7, &PathSection::m7},
     PathWordKey{8, &PathSection::m8}, PathWordKey{9, &PathSection::m9}};
-constexpr std::array path_origin_keys{&PathSection::g54, &PathSection::g55, &PathSection::g56,
-                                      &PathSection::g57, &PathSection::g58, &PathSection::g59};
+inline constexpr std::array path_origin_keys{&PathSection::g54, &PathSection::g55,
+                                             &PathSection::g56, &PathSection::g57,
+                                             &PathSection::g58, &PathSection::g59};
 
 /// What one file says, or several, one after the other.
 struct ConfigText {

@@ -115,6 +115,10 @@ TEST_F(CtlMethods, ThePathIsToldHowFastToGo) {
   ctl.target.result = {{"paths", boost::json::array{held}}};
   ctl.run({"path", "feed", "x", "hold"});
   EXPECT_EQ(ctl.out, "x, y: held on the path; override 50 %, 75 % now\n");
+  held["waits_at_line"] = 12;
+  ctl.target.result = {{"paths", boost::json::array{held}}};
+  ctl.run({"path", "feed", "x", "50%"});
+  EXPECT_EQ(ctl.out, "x, y: waiting at M0, line 12; override 50 %, 75 % now\n");
   for (const auto* wrong : {"50", "9%", "201%", "%", "fast", ""})
     EXPECT_EQ(ctl.run({"path", "feed", "x", wrong}), ExitCode::usage) << wrong;
 }
@@ -140,6 +144,11 @@ TEST_F(CtlMethods, TheStatusOfAPathSaysWhereItIs) {
             "  override  50 %, and held, 75 % now\n"
             "  feed      15 a second, planned 20\n"
             "  off path  0.0031 at most so far, at 3.250 s, and 0.4 ms late on it\n");
+  bare["waits_at_line"] = 12;
+  ctl.target.result = {{"paths", boost::json::array{bare}}};
+  ctl.run({"path", "status", "x"});
+  EXPECT_THAT(ctl.out,
+              HasSubstr("\n  waiting at M0, line 12: 'tmclctl path resume' lets it go on\n"));
   ctl.target.result = {{"paths", boost::json::array{}}};
   ctl.run({"path", "status"});
   EXPECT_EQ(ctl.out, "No axis is on a path that tmcld passes\n");

@@ -527,7 +527,7 @@ TEST(DaemonConfig, KnowsWhatMWordsOfPathsSwitch) {
   ASSERT_EQ(words.size(), 2U);
   EXPECT_EQ(to_string(words.at(3)), "bench:1 output 0 1");
   EXPECT_EQ(to_string(words.at(9)), "bench:2047 output 255 0");
-  EXPECT_EQ(words.at(9).module.value, 2047);
+  EXPECT_EQ(words.at(9).module, tmcl::ModuleAddress{2047});
   EXPECT_TRUE(parse_config(good)->path.words.empty());
 }
 
@@ -537,16 +537,16 @@ TEST(DaemonConfig, RefusesWhatMWordsCannotSwitch) {
         "bench:2048 output 0 1", "bench:1 outpt 0 1", "bench:1 output 0 1 ", "1 output 0 1",
         ":1 output 0 1", "bench:-1 output 0 1", "bench:1 output  0 1", "bench:x output 0 1"}) {
     EXPECT_THAT(problems(std::string(good) + "[path]\nm7 = \"" + wrong + "\"\n"),
-                ElementsAre("f:13:6: 'm7' is '" + wrong +
+                ElementsAre("f:14:6: 'm7' is '" + wrong +
                             "', but must be BUS:ADDRESS output PORT VALUE with 0 or 1 as VALUE, "
                             "such as \"bench:1 output 0 1\""));
   }
   EXPECT_THAT(problems(std::string(good) + "[path]\nm3 = \"bensh:1 output 0 1\"\n"),
-              ElementsAre("f:13:6: 'm3': there is no bus 'bensh'. Did you mean 'bench'?"));
+              ElementsAre("f:14:6: 'm3': there is no bus 'bensh'. Did you mean 'bench'?"));
   EXPECT_THAT(problems(std::string(good) + "[path]\nm3 = 1\n"),
-              ElementsAre("f:13:6: 'm3' must be a text in quotes"));
+              ElementsAre("f:14:6: 'm3' must be a text in quotes"));
   EXPECT_THAT(problems(std::string(good) + "[path]\nm6 = \"bench:1 output 0 1\"\n"),
-              ElementsAre(HasSubstr("f:13:1: unknown key 'm6' in [path].")));
+              ElementsAre(HasSubstr("f:14:1: unknown key 'm6' in [path].")));
   EXPECT_THAT(problems(std::string(good) + "[[path]]\n"),
               ElementsAre(HasSubstr("there is one such section, written [path]")));
 }
@@ -568,16 +568,16 @@ TEST(DaemonConfig, RefusesOriginsAndToolsThatAreNone) {
     return problems(std::string(good) + "[path]\n" + line + "\n");
   };
   EXPECT_THAT(told("g55 = {X = 1}"),
-              ElementsAre("f:13:7: 'g55' has 'X', but its names are x, y, z, a, b and c"));
+              ElementsAre("f:14:7: 'g55' has 'X', but its names are x, y, z, a, b and c"));
   EXPECT_THAT(told("g55 = {xy = 1}"), ElementsAre(HasSubstr("'g55' has 'xy'")));
   EXPECT_THAT(told("g55 = {x = \"1\"}"),
-              ElementsAre("f:13:7: 'g55' must be numbers with names, {x = 1.5, y = 2}"));
+              ElementsAre("f:14:7: 'g55' must be numbers with names, {x = 1.5, y = 2}"));
   EXPECT_THAT(told("g55 = 5"), ElementsAre(HasSubstr("'g55' must be numbers with names")));
   EXPECT_THAT(told("g55 = {x = inf}"),
-              ElementsAre("f:13:7: 'x' of 'g55' is inf, and no finite number"));
+              ElementsAre("f:14:7: 'x' of 'g55' is inf, and no finite number"));
   EXPECT_THAT(
       told("tools = {a = 1}"),
-      ElementsAre("f:13:9: 'tools' has 'a', but its names are numbers of tools, 1 to 99999"));
+      ElementsAre("f:14:9: 'tools' has 'a', but its names are numbers of tools, 1 to 99999"));
   EXPECT_THAT(told("tools = {0 = 1}"), ElementsAre(HasSubstr("'tools' has '0'")));
   EXPECT_THAT(told("tools = {100000 = 1}"), ElementsAre(HasSubstr("'tools' has '100000'")));
   EXPECT_THAT(told("tools = {1 = nan}"), ElementsAre(HasSubstr("'1' of 'tools' is nan")));

@@ -21,6 +21,9 @@ constexpr std::string_view bound_words =
 const std::string switching_way = "M3\nG1 X8 Y4 F1200 M8\nX10 M5\nM9 M7\n";
 const std::string waiting_way = "M3\nG1 X8 Y4 F1200\nM0\nG1 X9 Y2\nM5\n";
 
+// Of the path. Axes do not go back to stand nearer.
+constexpr double tolerance = 0.05;
+
 class DaemonPathWords : public DaemonPath {
  protected:
   DaemonPathWords() : DaemonPath(std::string(in_mm) + std::string(bound_words)) {
@@ -76,7 +79,8 @@ TEST_P(DaemonPathWordsInEachMode, OutputsAreSwitchedWhereTheAxesStand) {
   EXPECT_THAT(switches(), ElementsAre("0=1", "1=1", "0=0", "1=0"));
   EXPECT_TRUE(stood());
   EXPECT_EQ(mm(0), 10);
-  EXPECT_EQ(json::serialize(report.at("warnings")), R"(["line 4: M7 is not carried out"])");
+  EXPECT_THAT(json::serialize(report.at("warnings")), HasSubstr("line 4: M7 is not carried out"));
+  EXPECT_THAT(json::serialize(report.at("warnings")), testing::Not(HasSubstr("M3")));
   expect_rest_and_own_settings();
 }
 
@@ -102,7 +106,7 @@ TEST_P(DaemonPathWordsInEachMode, AnOutputThatIsNotAnsweredEndsThePath) {
   EXPECT_THAT(text(error.at("message")),
               HasSubstr("line 2: M4 was not carried out: bench:2 output 0 1: "));
   EXPECT_THAT(switches(), ElementsAre("0=0"));
-  EXPECT_EQ(mm(0), 8);
+  EXPECT_NEAR(mm(0), 8, tolerance);
   expect_rest_and_own_settings();
 }
 
@@ -125,7 +129,7 @@ TEST_P(DaemonPathWordsInEachMode, M0WaitsUntilPathResume) {
   EXPECT_EQ(waiting.at("waits_at_line").as_int64(), 3);
   EXPECT_TRUE(waiting.at("held").as_bool());
   EXPECT_TRUE(waiting.at("left_s").is_null());
-  EXPECT_EQ(mm(0), 8);
+  EXPECT_NEAR(mm(0), 8, tolerance);
   EXPECT_THAT(switches(), ElementsAre("0=1"));
   RpcClient other(daemon.socket());
   EXPECT_EQ(json::serialize(other.result("path.resume").at("axes")), R"(["x","y"])");

@@ -2,10 +2,17 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "gateway/gateway.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcld {
+
+std::string to_string(const OutputSetting& output) {
+  return fmt::format("{}:{} output {} {}", output.bus, number(output.module), output.port,
+                     output.value);
+}
 
 tmcl::plan::path_file::GcodeSetup setup_of(const PathConfig& path) {
   tmcl::plan::path_file::GcodeSetup setup;

@@ -32,7 +32,7 @@ std::vector<std::string> remarks_of(const plan::DriveReport& report,
                                   axes.at(axis), before.value, in_one_line(why)));
   }
   for (const auto& [word, why] : report.unswitched)
-    remarks.push_back(fmt::format("M{} was not carried out: {}", word, in_one_line(why)));
+    remarks.push_back(fmt::format("M{} was not carried out: {}", word, why.message));
   return remarks;
 }
 

@@ -873,6 +873,19 @@ export interface Methods {
           /** of each axis */
           position: number[];
         }[];
+        /** which M words are carried out on it */
+        words: {
+          /** of the word: 3, 4, 5, 7, 8 or 9 */
+          number: number;
+          /** how often it is carried out */
+          times: number;
+          /** of the file, for the first time */
+          line: number;
+          /** what it switches, as the configuration says it */
+          switches: string;
+        }[];
+        /** how often it waits at M0 until path.resume */
+        waits: number;
       };
       /** to draw it; null unless points are asked for */
       curve: {
@@ -1102,7 +1115,7 @@ export interface Methods {
       axes: string[];
     };
   };
-  /** lets them go on */
+  /** lets them go on, also from M0 */
   "path.resume": {
     params: {
       /** of paths; all paths if absent */
@@ -1128,7 +1141,7 @@ export interface Methods {
         name: string | null;
         /** velocity, segments or position */
         mode: string;
-        /** approaching, measuring, running, pausing or ending */
+        /** approaching, measuring, running, pausing, waiting or ending */
         phase: string;
         /** how much of its course has been passed, in seconds of that */
         passed_s: number;
@@ -1156,6 +1169,8 @@ export interface Methods {
         off_path_at_s: number;
         /** how late on the path they were seen so far */
         lag_s: number;
+        /** of the file, of the M0 at which it waits until path.resume; null if it does not */
+        waits_at_line: number | null;
       }[];
     };
   };
@@ -1178,7 +1193,7 @@ export interface Methods {
         name: string | null;
         /** velocity, segments or position */
         mode: string;
-        /** approaching, measuring, running, pausing or ending */
+        /** approaching, measuring, running, pausing, waiting or ending */
         phase: string;
         /** how much of its course has been passed, in seconds of that */
         passed_s: number;
@@ -1206,6 +1221,8 @@ export interface Methods {
         off_path_at_s: number;
         /** how late on the path they were seen so far */
         lag_s: number;
+        /** of the file, of the M0 at which it waits until path.resume; null if it does not */
+        waits_at_line: number | null;
       }[];
     };
   };

@@ -717,6 +717,18 @@ class PathPlanCourseSlowestCorners(Record):
 
 
 @dataclass(frozen=True)
+class PathPlanCourseWords(Record):
+    #: of the word: 3, 4, 5, 7, 8 or 9
+    number: int = 0
+    #: how often it is carried out
+    times: int = 0
+    #: of the file, for the first time
+    line: int = 0
+    #: what it switches, as the configuration says it
+    switches: str = ""
+
+
+@dataclass(frozen=True)
 class PathPlanCourse(Record):
     #: of the path
     length: float = 0.0
@@ -728,7 +740,11 @@ class PathPlanCourse(Record):
     axes: tuple[PathPlanCourseAxes, ...] = ()
     #: where it gets slowest; five at most
     slowest_corners: tuple[PathPlanCourseSlowestCorners, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": PathPlanCourseAxes, "slowest_corners": PathPlanCourseSlowestCorners}
+    #: which M words are carried out on it
+    words: tuple[PathPlanCourseWords, ...] = ()
+    #: how often it waits at M0 until path.resume
+    waits: int = 0
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": PathPlanCourseAxes, "slowest_corners": PathPlanCourseSlowestCorners, "words": PathPlanCourseWords}
 
 
 @dataclass(frozen=True)
@@ -904,7 +920,7 @@ class PathStatusPaths(Record):
     name: str | None = None
     #: velocity, segments or position
     mode: str = ""
-    #: approaching, measuring, running, pausing or ending
+    #: approaching, measuring, running, pausing, waiting or ending
     phase: str = ""
     #: how much of its course has been passed, in seconds of that
     passed_s: float = 0.0
@@ -934,6 +950,8 @@ class PathStatusPaths(Record):
     off_path_at_s: float = 0.0
     #: how late on the path they were seen so far
     lag_s: float = 0.0
+    #: of the file, of the M0 at which it waits until path.resume; null if it does not
+    waits_at_line: int | None = None
 
 
 @dataclass(frozen=True)
@@ -2248,7 +2266,7 @@ class Methods:
         *,
         axes: Sequence[str] | None = None,
     ) -> PathPause:
-        """`path.resume` lets them go on."""
+        """`path.resume` lets them go on, also from M0."""
         return PathPause.of(self._call("path.resume", {"axes": axes}))
 
     def path_status(
@@ -3328,7 +3346,7 @@ class AsyncMethods:
         *,
         axes: Sequence[str] | None = None,
     ) -> PathPause:
-        """`path.resume` lets them go on."""
+        """`path.resume` lets them go on, also from M0."""
         return PathPause.of(await self._call("path.resume", {"axes": axes}))
 
     async def path_status(

@@ -118,8 +118,7 @@ struct GcodeSetup {
 ///   until G28.1 or G30.1 stores another; without axes all that the program moves go there;
 /// - G61, G61.1: axes stand between movements, unless a line goes straight on after G61; G64;
 /// - G43 H, by the table of tools, or without H for the tool that M6 has changed to; G43.1, which
-///   says lengths itself; G49: positions of Z, of G43.1 all of its axes, count from so much
-///   farther;
+///   says lengths itself; G49: positions of Z, or of the axes of G43.1, count from so much farther;
 /// - G40, which changes nothing here;
 /// - M0, where the axes stand and wait until they are told to go on; M1, where they stand and go
 ///   on; M2 and M30, behind which nothing is read;

@@ -52,11 +52,11 @@ class StreamRunner : public DriveRunner {
   }
   StreamFeed feed() const {
     const bool runs = phase_ == Phase::running || phase_ == Phase::pausing;
-    const bool stands = waits_ || clock_.halt() != nullptr;
-    return {asked_feed_, runs && !stands ? clock_.rate() : 0, is_held() || waits_};
+    const bool stands = clock_.halt() != nullptr;
+    return {asked_feed_, runs && !stands ? clock_.rate() : 0, is_held() || is_waiting()};
   }
-  Phase phase() const { return waits_ && phase_ == Phase::running ? Phase::waiting : phase_; }
-  const CourseHalt* waits_at() const { return waits_ ? clock_.next_halt() : nullptr; }
+  Phase phase() const { return is_waiting() && phase_ == Phase::running ? Phase::waiting : phase_; }
+  const CourseHalt* waits_at() const { return is_waiting() ? clock_.next_halt() : nullptr; }
   double passed() const { return std::min(clock_.passed(), course_.duration()); }
   const StreamReport& report() const { return report_; }
 
@@ -101,6 +101,7 @@ class StreamRunner : public DriveRunner {
   std::size_t watched_ = 0;  ///< The axis that is looked at next.
 
  private:
+  bool is_waiting() const { return waits_ && !may_go_on_; }
   Script<Fault> whole() override;
   void on_answered(Duration took) override;
   Script<Fault> measure();
