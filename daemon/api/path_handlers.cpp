@@ -191,14 +191,18 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
 using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes,
                                 const Cast& cast, const plan::PathRequest& request)>;
 
+/// As the configuration is now.
+std::shared_ptr<const plan::path_file::GcodeSetup> setup_for(const Call& call,
+                                                             const OfPath& params) {
+  auto setup = setup_of(call.gateway->path());
+  if (params.lenient.value_or(false)) setup.unknowns = plan::path_file::Unknowns::skipped;
+  return std::make_shared<const plan::path_file::GcodeSetup>(std::move(setup));
+}
+
 /// `with_namesakes`: axes of the file that are not named are those of the same name.
 Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
   auto request = co_await must(request_of(params));
   request.shaping = co_await must(shaping_of(params));
-  const PathWords words(*call.gateway);
-  const auto unknowns = request.setup.unknowns;
-  request.setup = setup_of(call.gateway->path());
-  request.setup.unknowns = unknowns;
   // Before the text is read, which may take a while.
   if (!with_namesakes && !params.axes) {
     co_return param_error("bad_argument", "axes",
@@ -210,11 +214,13 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   const auto format = co_await must(format_in(params));
   auto& planner = call.gateway->planner;
   const auto turn = co_await planner.take_turn(call.peer->client().number);
+  const PathWords words(*call.gateway);
+  request.setup = setup_for(call, params);
 
   // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
   const auto text = std::make_shared<const std::string>(std::move(given));
   auto read = [text, format, tolerance = request.tolerance, setup = request.setup] {
-    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance, setup);
+    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance, *setup);
   };
   auto source = co_await planner.plan(std::move(read));
   if (!source) co_return error_of(source.error(), "text");

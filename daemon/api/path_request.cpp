@@ -84,7 +84,6 @@ Result<plan::PathRequest> request_of(const OfPath& params) {
   reading.quantity<&OfPath::feed>(request.feed);
   reading.quantity<&OfPath::corner_jump>(request.corner_jump);
   if (reading.wrong()) return tl::unexpected(*reading.wrong());
-  if (params.lenient.value_or(false)) request.setup.unknowns = plan::path_file::Unknowns::skipped;
   if (params.period_ms) request.period = std::chrono::milliseconds(*params.period_ms);
   return request;
 }

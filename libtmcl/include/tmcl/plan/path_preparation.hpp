@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -82,7 +83,7 @@ struct PathRequest {
   std::optional<double> per_turn{};   ///< What a turn of the motor is, for axes without a unit.
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
-  path_file::GcodeSetup setup{};
+  std::shared_ptr<const path_file::GcodeSetup> setup{};  ///< Null: nothing is said of the machine.
   std::optional<Shaping> shaping{};
 };
 StreamOptions options_of(const PathRequest& request);

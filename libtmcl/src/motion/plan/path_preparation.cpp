@@ -292,8 +292,8 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
   path_file::Point start{};
   for (const auto& axis : axes)
     start[path_file::gcode_axes.find(axis.choice.of_file)] = axis.stands_at;
-  return flattened(path_file::read_gcode(text, start, request.setup), source.format,
-                   request.tolerance);
+  const auto& setup = request.setup ? *request.setup : path_file::GcodeSetup();
+  return flattened(path_file::read_gcode(text, start, setup), source.format, request.tolerance);
 }
 
 PathLimits limits_of(const std::vector<PathAxis>& axes) {
