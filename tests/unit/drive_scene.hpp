@@ -171,7 +171,8 @@ class DriveScene {
           if ((command.value >> motor & 1) != 0) axes[motor].move_to(target, now_);
         }
         break;
-      case Kind::rotate: ADD_FAILURE() << "nobody turns without end"; break;
+      case Kind::rotate:
+      case Kind::carry_out: ADD_FAILURE() << "a line has no such command"; break;
     }
     return 0;
   }

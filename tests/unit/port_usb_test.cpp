@@ -131,7 +131,7 @@ TEST_F(OnUsb, NobodyIsSuspected) {
     EXPECT_EQ(next.status_of(position_of(address)), Status::ok);
     EXPECT_EQ(host.status_of(request_of(Command::MST, 0, 0, 0, address)), Status::ok);
   }
-  const auto counters = bench.gateway().buses().front()->counters();
+  const auto counters = bench.gateway().buses().front()->link().counters();
   EXPECT_EQ(counters.surplus, 0U);
   EXPECT_EQ(counters.timeouts, 0U);
   EXPECT_FALSE(

@@ -126,7 +126,8 @@ TEST_F(SimSwitches, SlowDownTheMotorOfATmc457) {
   constexpr std::uint8_t stop_deceleration = 15;
   ask(Command::SAP, ap::max_velocity, 0, 5'000'000);  // 74,505.8 microsteps/s
   ask(Command::SAP, stop_deceleration, 0, 2'000);     // 116,415 microsteps/s^2
-  for (const std::uint8_t parameter : {16, 17}) ask(Command::SAP, parameter, 0, 24'624);
+  for (const auto parameter : {std::uint8_t{16}, std::uint8_t{17}})
+    ask(Command::SAP, parameter, 0, 24'624);
   move_to(10'000'000);
   pass(seconds(60));
   EXPECT_EQ(get(ap::actual_velocity), 0);
