@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class DaemonClients : public testing::Test {
+class DaemonClientList : public testing::Test {
  protected:
   json::array clients() { return watcher_->result("client.list").at("clients").as_array(); }
   json::object tail(json::object params = {}) {
@@ -26,7 +26,7 @@ class DaemonClients : public testing::Test {
   std::unique_ptr<RpcClient> watcher_ = std::make_unique<RpcClient>(bench_.daemon.socket());
 };
 
-TEST_F(DaemonClients, AreListedWithTheirDoorRoleAndLeases) {
+TEST_F(DaemonClientList, AreListedWithTheirDoorRoleAndLeases) {
   RpcClient holder(bench_.daemon.socket());
   holder.result("lease.acquire", {{"axes", json::array{"x", "y"}}, {"ttl_ms", 60'000}});
   auto all = clients();
@@ -47,7 +47,7 @@ TEST_F(DaemonClients, AreListedWithTheirDoorRoleAndLeases) {
   EXPECT_EQ(all[1].at("axes"), (json::array{"x", "y"}));
 }
 
-TEST_F(DaemonClients, AreNotListedAnyMoreWhenTheyHaveGone) {
+TEST_F(DaemonClientList, AreNotListedAnyMoreWhenTheyHaveGone) {
   const auto before = clients().size();
   auto other = std::make_unique<RpcClient>(bench_.daemon.socket());
   other->result("axis.list");
@@ -57,7 +57,7 @@ TEST_F(DaemonClients, AreNotListedAnyMoreWhenTheyHaveGone) {
   EXPECT_EQ(clients().size(), before);
 }
 
-TEST_F(DaemonClients, AreToldWhatWasDoneAndByWhom) {
+TEST_F(DaemonClientList, AreToldWhatWasDoneAndByWhom) {
   watcher_->result("axis.stop", {{"axis", "x"}});
   const auto lines = tail().at("lines").as_array();
   ASSERT_FALSE(lines.empty());
