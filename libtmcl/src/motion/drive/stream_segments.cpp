@@ -121,8 +121,11 @@ StreamScript SegmentRunner::tell_segment(std::size_t axis, const SegmentSpan& sp
   const auto task = task_of(axis, span);
   if (may_stand(task, span)) {
     Fault wrong;
-    if (here.velocity.value_or(0) != 0)
-      wrong = co_await tell_velocity(axis, 0, span.course_end - instant);
+    if (here.velocity.value_or(0) == 0) co_return wrong;
+    // As its last segment has it, it may brake for long.
+    const double slope = greatest_slope(axis, false);
+    if (slope_now(axis, 0) < slope) wrong = co_await set_slopes(axis, 0, slope, slope);
+    if (!wrong) wrong = co_await tell_velocity(axis, 0, span.course_end - instant);
     co_return wrong;
   }
   const auto wanted = segment_for(task);
