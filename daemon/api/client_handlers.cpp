@@ -23,7 +23,7 @@ std::optional<std::string> unless_empty(std::string text) {
 
 clients::Client view_of(const Gateway& gateway, std::uint64_t number, const ClientList::Row& row) {
   auto now = row.look();
-  clients::Client seen{row.name, std::move(now.door)};
+  clients::Client seen{gateway.name_of_client(number), std::move(now.door)};
   seen.address = unless_empty(std::move(now.address));
   seen.uid = now.uid;
   seen.pid = now.pid;

@@ -75,13 +75,13 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
                                [this] { return look(); })) {}
 
 ConnectedClient Session::look() const {
-  const auto caller = caller_();
+  const auto who = caller();
   ConnectedClient now{door_, address_, token_};
   // Who comes from the network is no process of this computer, as far as is known.
-  const bool is_process = caller.credentials.pid != 0;
-  if (is_process) now.uid = caller.credentials.uid;
-  if (is_process) now.pid = caller.credentials.pid;
-  now.role = serves_ == Serves::stops ? Role::stop : caller.role;
+  const bool is_process = who.credentials.pid != 0;
+  if (is_process) now.uid = who.credentials.uid;
+  if (is_process) now.pid = who.credentials.pid;
+  now.role = serves_ == Serves::stops ? Role::stop : who.role;
   now.requests = std::accumulate(in_flight_.begin(), in_flight_.end(), std::size_t{0});
   return now;
 }

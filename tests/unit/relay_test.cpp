@@ -100,6 +100,19 @@ TEST_F(RelayOnASocket, NamesTheUserAsTheHolderOfALease) {
             "leased");
 }
 
+TEST_F(RelayOnASocket, IsListedAsItsUserWithThatOnesRole) {
+  daemon.start();
+  RpcClient client(daemon.socket());
+  client.result("speak_for", user("anna", "observe"));
+  RpcClient other(daemon.socket());
+  const auto clients = other.result("client.list").at("clients").as_array();
+  ASSERT_EQ(clients.size(), 2U);
+  EXPECT_THAT(std::string(clients.at(0).at("client").as_string()),
+              StartsWith("anna through process "));
+  EXPECT_EQ(clients.at(0).at("role").as_string(), "observe");
+  EXPECT_NE(clients.at(1).at("role").as_string(), "observe");
+}
+
 TEST_F(RelayOnASocket, RefusesWhatIsForged) {
   daemon.start();
   RpcClient client(daemon.socket());
