@@ -250,6 +250,8 @@ Client Gateway::rename_client(std::uint64_t number, std::string name) {
 }
 
 std::string Gateway::name_of_client(std::uint64_t number) const {
+  const auto there = arrivals_->clients.find(number);
+  if (there != arrivals_->clients.end()) return there->second;
   const auto found = client_names_.find(number);
   return found == client_names_.end() ? "client " + std::to_string(number) : found->second;
 }

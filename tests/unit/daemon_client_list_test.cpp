@@ -57,6 +57,16 @@ TEST_F(DaemonClientList, AreNotListedAnyMoreWhenTheyHaveGone) {
   EXPECT_EQ(clients().size(), before);
 }
 
+TEST_F(DaemonClientList, KeepTheirNamesHoweverManyComeAndGo) {
+  const auto before = clients();
+  for (int i = 0; i < 1100; ++i) RpcClient(bench_.daemon.socket()).result("axis.list");
+  bench_.daemon.run_for(std::chrono::seconds(1));
+  const auto after = clients();
+  ASSERT_EQ(after.size(), before.size());
+  for (std::size_t i = 0; i < before.size(); ++i)
+    EXPECT_EQ(word(after[i], "client"), word(before[i], "client"));
+}
+
 TEST_F(DaemonClientList, AreToldWhatWasDoneAndByWhom) {
   watcher_->result("axis.stop", {{"axis", "x"}});
   const auto lines = tail().at("lines").as_array();
