@@ -30,7 +30,7 @@ class LocalPeer final : public Peer {
       : gateway_(std::move(gateway)),
         client_(gateway_->add_client("process " + std::to_string(::getpid()))),
         notifications_(gateway_, [news = std::move(news)] { *news = true; }),
-        entry_(ClientList::enter(gateway_->clients(), client_, gateway_->clock().now(),
+        entry_(ClientList::enter(gateway_->clients(), client_.number, gateway_->clock().now(),
                                  [this] { return look(); })) {}
 
   void notify(std::string_view method, boost::json::object params) override {

@@ -45,7 +45,7 @@ PortSession::PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& con
       client_(gateway_->add_client(name_)),
       conduct_(gateway_, bus_, role_, client_),
       asked_(bus_->executor()),
-      entry_(ClientList::enter(gateway_->clients(), client_, gateway_->clock().now(),
+      entry_(ClientList::enter(gateway_->clients(), client_.number, gateway_->clock().now(),
                                [this] { return look(); })) {}
 
 ConnectedClient PortSession::look() const {

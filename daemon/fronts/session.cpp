@@ -71,7 +71,7 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       token_(std::move(options.token)),
       output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }),
-      entry_(ClientList::enter(gateway_->clients(), client_, gateway_->clock().now(),
+      entry_(ClientList::enter(gateway_->clients(), client_.number, gateway_->clock().now(),
                                [this] { return look(); })) {}
 
 ConnectedClient Session::look() const {

@@ -30,7 +30,6 @@ class ClientList {
  public:
   using Look = std::function<ConnectedClient()>;
   struct Row {
-    std::string name;
     tmcl::TimePoint since{};
     Look look;
   };
@@ -55,10 +54,10 @@ class ClientList {
   };
 
   /// `look` is called while the entry lives. The client must not be on the list.
-  static Entry enter(std::shared_ptr<ClientList> list, const Client& client, tmcl::TimePoint now,
+  static Entry enter(std::shared_ptr<ClientList> list, std::uint64_t client, tmcl::TimePoint now,
                      Look look) {
-    list->rows_.emplace(client.number, Row{client.name, now, std::move(look)});
-    return {std::move(list), client.number};
+    list->rows_.emplace(client, Row{now, std::move(look)});
+    return {std::move(list), client};
   }
   /// By their numbers: who came first is first.
   const std::map<std::uint64_t, Row>& rows() const { return rows_; }
