@@ -206,8 +206,35 @@ describe("the text of a program", () => {
     await button(page, "Run program").click();
     await nextLine("End: SGP 1, 2, 7");
     assert.equal((await bench.call("global.get", { bus: "bench", address: 1, bank: 2, parameter: 1 })).value, 6);
+    assert.equal(await page.locator(".editor .break").textContent(), "End: SGP 1, 2, 7\n");
     await editor().fill("STOP\n");
     await until("no line of another text is marked", async () => (await page.locator(".editor .next").count()) === 0);
+  });
+
+  it("has a breakpoint where the number of a line is clicked", async () => {
+    const clickLine = async (line) => {
+      const { top, height } = await editor().evaluate((field) => ({
+        top: parseFloat(getComputedStyle(field).paddingTop),
+        height: parseFloat(getComputedStyle(field).lineHeight),
+      }));
+      await editor().click({ position: { x: 20, y: top + (line - 0.5) * height } });
+    };
+    const broken = () => page.locator(".editor .break").allTextContents();
+    await editor().fill("// two values\nSGP 1, 2, 5\nSGP 1, 2, 6\nSTOP\n");
+    await page.getByText("3 commands", { exact: true }).waitFor();
+    await clickLine(3);
+    assert.deepEqual(await broken(), [], "the module does not have the text");
+    await button(page, "Load the text").click();
+    await page.getByText("The text is in the module: 3 commands").waitFor();
+    await clickLine(1);
+    await clickLine(3);
+    await until("one breakpoint", async () => (await broken()).join() === "SGP 1, 2, 6\n");
+    await button(page, "Reset program").click();
+    await button(page, "Run program").click();
+    await nextLine("SGP 1, 2, 6");
+    await page.getByRole("button", { name: "Breakpoint at 1", pressed: true }).waitFor();
+    await clickLine(3);
+    await until("no breakpoint", async () => (await broken()).length === 0);
   });
 
   it("has all its problems at their lines, and is not loaded then", async () => {

@@ -1,7 +1,7 @@
 // Files of paths on the page: dropped, planned, drawn, passed.
 import assert from "node:assert/strict";
 import { after, afterEach, beforeEach, describe, it } from "node:test";
-import { Bench, button, closeBrowser, open, seriousFindings, signIn, until } from "./bench.mjs";
+import { Bench, axis, button, closeBrowser, open, seriousFindings, signIn, until } from "./bench.mjs";
 
 const square = "G21 G90\nF1200\nG1 X10 Y0\nG1 X10 Y10\nG1 X0 Y10\nM2\n";
 const longWay = "G21 G90\nF600\nG1 X150 Y0\nM2\n";
@@ -231,6 +231,24 @@ describe("a path on the page", () => {
     await unlessStarved(hold);
     assert.deepEqual(await seriousFindings(page), []);
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
+  });
+});
+
+describe("a path that switches outputs", () => {
+  it("is told with what its words switch, and where it waits", async () => {
+    bench = await Bench.create({ axes: axis("x", 0) + '[path]\nm3 = "bench:1 output 0 1"\nm5 = "bench:1 output 0 0"\n' });
+    await show();
+    await choose("words.ngc", "G21 G90\nF1200\nM3\nG1 X1\nM5\nM0\nM3\nG1 X2\nM5\nM2\n");
+    const rows = page.getByRole("table", { name: "What is switched on the way" }).locator("tbody tr");
+    await rows.first().waitFor();
+    const told = await rows.evaluateAll((all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+    assert.deepEqual(told, [
+      ["M3", "bench:1 output 0 1", "2", "3"],
+      ["M5", "bench:1 output 0 0", "2", "5"],
+    ]);
+    await page.getByText("It waits once at M0, until it is let go on.").waitFor();
+    await page.context().close();
+    await bench.end();
   });
 });
 

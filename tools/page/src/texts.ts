@@ -158,6 +158,12 @@ export const texts = {
   topSpeed: "Top speed",
   now: "Now",
   slowestCorners: "Where it is slowest",
+  pathWords: "What is switched on the way",
+  word: "Word",
+  switches: "Switches",
+  times: "Times",
+  firstLine: "First in line",
+  pathWaitsAtM0: (times: number) => (times === 1 ? "It waits once at M0, until it is let go on." : `It waits ${times} times at M0, until it is let go on.`),
   expected: "Expected in each mode",
   lag: "Late by at most, in s",
   keepsTolerance: "Keeps the tolerance",
@@ -282,7 +288,7 @@ export const texts = {
   programText: "Text of a program",
   editorHelp:
     "As tmcld reads it, in the language of the TMCL-IDE, such as MVP ABS, 0, 5000. While an axis moves the space bar stops all axes here, too; " +
-    "while all stand it is a character.",
+    "while all stand it is a character. A click on the number of a line sets a breakpoint there, and clears it, once the module has the text.",
   openText: "Open a text",
   saveText: "Save the text",
   loadText: "Load the text",

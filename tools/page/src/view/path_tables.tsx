@@ -37,6 +37,14 @@ export function PathTables({ plan }: { plan: Plan }) {
           ])}
         />
       )}
+      {course.words.length > 0 && (
+        <TextTable
+          caption={texts.pathWords}
+          heads={[texts.word, texts.switches, texts.times, texts.firstLine]}
+          rows={course.words.map((one) => [`M${one.number}`, one.switches, String(one.times), String(one.line)])}
+        />
+      )}
+      {course.waits > 0 && <p>{texts.pathWaitsAtM0(course.waits)}</p>}
       {expected.length > 0 && (
         <TextTable
           caption={texts.expected}

@@ -28,6 +28,7 @@ export function Program({ bus, address, model }: { bus: string; address: number;
   const { answer: status, problem: silence } = usePoll(() => call("program.status", module), lookEveryMs, [bus, address]);
   const [lines, setLines] = useState<ProgramLine[] | null>(null);
   const [source, setSource] = useState<Source | null>(null);
+  const [breakpoints, setBreakpoints] = useState<number[]>([]);
   const { problem, note, carryOut } = useOutcome();
   const read = async () => {
     const { program } = await call("program.read", module);
@@ -52,9 +53,22 @@ export function Program({ bus, address, model }: { bus: string; address: number;
     return texts.textLoaded(commands);
   };
   const act = (method: Plain) => carryOut(() => call(method, module).then(() => ""));
+  // Modules do not tell their breakpoints: those of this page are known.
+  const toggleBreakpoint = (at: number) =>
+    carryOut(async () => {
+      const isSet = breakpoints.includes(at);
+      await call(isSet ? "program.clear_breakpoint" : "program.set_breakpoint", { ...module, at });
+      setBreakpoints(isSet ? breakpoints.filter((one) => one !== at) : [...breakpoints, at]);
+      return "";
+    });
+  const toggleLine = (line: number) => {
+    const at = source?.lines.indexOf(line) ?? -1;
+    if (at >= 0) toggleBreakpoint(at);
+  };
   const isStopped = status?.state !== "running";
   const next = status?.next_address ?? null;
-  const hasText = source !== null && source.text === text.value;
+  /** Null where the module has another text than the editor. */
+  const linesHere = source !== null && source.text === text.value ? source.lines : null;
   return (
     <section class="part" aria-label={texts.program}>
       <h2>{texts.program}</h2>
@@ -77,8 +91,23 @@ export function Program({ bus, address, model }: { bus: string; address: number;
       <p class="help">{texts.programHelp}</p>
       {problem && <p class="problem" role="alert">{problem}</p>}
       {note && <p role="status">{note}</p>}
-      {lines && <ProgramTable module={module} lines={lines} linesOfText={source?.lines ?? null} next={next} carryOut={carryOut} />}
-      <ProgramEditor model={model} nextLine={hasText && next !== null ? (source.lines[next] ?? null) : null} load={loadText} carryOut={carryOut} />
+      {lines && (
+        <ProgramTable
+          lines={lines}
+          linesOfText={source?.lines ?? null}
+          next={next}
+          breakpoints={breakpoints}
+          toggleBreakpoint={toggleBreakpoint}
+        />
+      )}
+      <ProgramEditor
+        model={model}
+        nextLine={next === null ? null : (linesHere?.[next] ?? null)}
+        breakLines={breakpoints.map((at) => linesHere?.[at] ?? 0)}
+        toggleLine={linesHere && may("program.set_breakpoint") ? toggleLine : null}
+        load={loadText}
+        carryOut={carryOut}
+      />
     </section>
   );
 }

@@ -1,4 +1,4 @@
-import { Component } from "preact";
+import { Component, type JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { may } from "../access";
 import { isConnected } from "../bench";
@@ -17,13 +17,17 @@ interface ProgramEditorOf {
   model: string | null;
   /** Of the text, from 1: that of the next command, where the module has this text. */
   nextLine: number | null;
+  /** Those with a breakpoint. */
+  breakLines: number[];
+  /** Sets a breakpoint at a line, or clears it; null where the module has another text. */
+  toggleLine: ((line: number) => void) | null;
   /** Brings the program into the module. */
   load: (made: Assembled) => Promise<string>;
   carryOut: (action: () => Promise<string>) => void;
 }
 
 /** A program's text: coloured, checked by tmcld as it is typed, and loaded. */
-export function ProgramEditor({ model, nextLine, load, carryOut }: ProgramEditorOf) {
+export function ProgramEditor({ model, nextLine, breakLines, toggleLine, load, carryOut }: ProgramEditorOf) {
   const field = useRef<HTMLTextAreaElement>(null);
   const wanted = text.value;
   const isOpen = isConnected.value;
@@ -45,7 +49,7 @@ export function ProgramEditor({ model, nextLine, load, carryOut }: ProgramEditor
   return (
     <>
       <h3>{texts.programText}</h3>
-      <TextField field={field} wanted={wanted} wrong={wrong} nextLine={nextLine} />
+      <TextField field={field} wanted={wanted} wrong={wrong} nextLine={nextLine} breakLines={breakLines} toggleLine={toggleLine} />
       <p class="help">{texts.editorHelp}</p>
       <div class="row">
         <label>
@@ -73,18 +77,31 @@ interface TextFieldOf {
   wanted: string;
   wrong: Problem[];
   nextLine: number | null;
+  breakLines: number[];
+  toggleLine: ((line: number) => void) | null;
 }
 
-/** The field lies over its coloured text, and scrolls it along. */
-function TextField({ field, wanted, wrong, nextLine }: TextFieldOf) {
+/** The field lies over its coloured text, and scrolls it along. The numbers of its lines are beside the text. */
+function TextField({ field, wanted, wrong, nextLine, breakLines, toggleLine }: TextFieldOf) {
   const colours = useRef<HTMLPreElement>(null);
   const badLines = new Set(wrong.map((one) => one.line));
   const scrollAlong = () => colours.current?.scrollTo(field.current!.scrollLeft, field.current!.scrollTop);
+  const press = ({ currentTarget, offsetX, offsetY }: JSX.TargetedMouseEvent<HTMLTextAreaElement>) => {
+    const { paddingLeft, paddingTop, lineHeight } = getComputedStyle(currentTarget);
+    if (offsetX >= parseFloat(paddingLeft)) return;
+    const down = offsetY + currentTarget.scrollTop - parseFloat(paddingTop);
+    toggleLine?.(1 + Math.floor(down / parseFloat(lineHeight)));
+  };
   return (
     <div class="editor">
       <pre ref={colours} aria-hidden="true">
         {highlighted(wanted).map((parts, index) => (
-          <Line parts={parts} isBad={badLines.has(index + 1)} isNext={index + 1 === nextLine} />
+          <Line
+            parts={parts}
+            isBad={badLines.has(index + 1)}
+            isNext={index + 1 === nextLine}
+            isBreak={breakLines.includes(index + 1)}
+          />
         ))}
       </pre>
       <textarea
@@ -100,6 +117,7 @@ function TextField({ field, wanted, wrong, nextLine }: TextFieldOf) {
         value={wanted}
         onInput={(event) => edit(event.currentTarget.value)}
         onScroll={scrollAlong}
+        onClick={press}
       />
     </div>
   );
@@ -109,17 +127,18 @@ interface LineOf {
   parts: Part[];
   isBad: boolean;
   isNext: boolean;
+  isBreak: boolean;
 }
 
 /** Drawn again only where it has changed: a text may have thousands of lines. */
 class Line extends Component<LineOf> {
   override shouldComponentUpdate(next: LineOf): boolean {
-    const { parts, isBad, isNext } = this.props;
-    return isBad !== next.isBad || isNext !== next.isNext || String(parts) !== String(next.parts);
+    const { parts, isBad, isNext, isBreak } = this.props;
+    return isBad !== next.isBad || isNext !== next.isNext || isBreak !== next.isBreak || String(parts) !== String(next.parts);
   }
-  override render({ parts, isBad, isNext }: LineOf) {
+  override render({ parts, isBad, isNext, isBreak }: LineOf) {
     return (
-      <div class={[isBad && "bad", isNext && "next"].filter(Boolean).join(" ") || undefined}>
+      <div class={[isBad && "bad", isNext && "next", isBreak && "break"].filter(Boolean).join(" ") || undefined}>
         {parts.map(([kind, word]) => (kind ? <span class={kind}>{word}</span> : word))}
         {"\n"}
       </div>

@@ -1,29 +1,21 @@
-import { useState } from "preact/hooks";
 import { may } from "../access";
-import { call } from "../bench";
 import type { ProgramLine } from "../program";
 import { texts } from "../texts";
 import { Table } from "./table";
 
 interface ProgramTableOf {
-  module: { bus: string; address: number };
   lines: ProgramLine[];
   /** Of each command; null where it was made of no text here. */
   linesOfText: number[] | null;
   next: number | null;
-  carryOut: (action: () => Promise<string>) => void;
+  /** Addresses. */
+  breakpoints: number[];
+  toggleBreakpoint: (at: number) => void;
 }
 
-/** The commands of a program, with the next one marked. Modules do not tell their breakpoints: those of this page are shown. */
-export function ProgramTable({ module, lines, linesOfText, next, carryOut }: ProgramTableOf) {
-  const [breakpoints, setBreakpoints] = useState<number[]>([]);
+/** The commands of a program, with the next one marked. */
+export function ProgramTable({ lines, linesOfText, next, breakpoints, toggleBreakpoint }: ProgramTableOf) {
   const mayBreak = may("program.set_breakpoint");
-  const toggle = async (at: number) => {
-    const isSet = breakpoints.includes(at);
-    await call(isSet ? "program.clear_breakpoint" : "program.set_breakpoint", { ...module, at });
-    setBreakpoints(isSet ? breakpoints.filter((one) => one !== at) : [...breakpoints, at]);
-    return "";
-  };
   const heads = [
     texts.programAddress,
     texts.command,
@@ -49,7 +41,7 @@ export function ProgramTable({ module, lines, linesOfText, next, carryOut }: Pro
               <button
                 aria-pressed={breakpoints.includes(line.address)}
                 aria-label={texts.breakAt(line.address)}
-                onClick={() => carryOut(() => toggle(line.address))}
+                onClick={() => toggleBreakpoint(line.address)}
               >
                 {breakpoints.includes(line.address) ? texts.breakpointSet : texts.breakpointClear}
               </button>
