@@ -7,6 +7,8 @@
 #include "support/random.hpp"
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/axis_twin.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -34,6 +36,51 @@ TEST(SpeedRamp, IsTheSameSeenFromLater) {
     for (int ms = from; ms < 600; ms += 50) {
       EXPECT_NEAR(later.speed_at(at(ms)), ramp.speed_at(at(ms)), 1e-9) << from << ' ' << ms;
       EXPECT_NEAR(later.position_at(at(ms)), ramp.position_at(at(ms)), 1e-9) << from << ' ' << ms;
+    }
+  }
+}
+
+TEST(SpeedRamp, BrakesForItsTargetInTime) {
+  const SpeedRamp even{at(0), 0, 1000, 1000, 2000};
+  const auto is = [&](int ms) { return even.to_target(1000, 2000, at(ms)); };
+  EXPECT_DOUBLE_EQ(is(700).position, 700);
+  EXPECT_NEAR(is(750).speed, 1000, 1e-6);  // so far it needs 0.5 s and 250 microsteps
+  EXPECT_NEAR(is(1000).speed, 500, 1e-2);
+  EXPECT_NEAR(is(1000).position, 937.5, 1e-2);
+  EXPECT_NEAR(is(1250).position, 1000, 1e-2);
+  EXPECT_EQ(is(1300).speed, 0);
+  EXPECT_NEAR(is(1300).position, 1000, 1e-2);
+  EXPECT_EQ(is(1250).end_speed, 1000) << "what it was told";
+}
+
+TEST(SpeedRamp, WithATargetIsWhatARampGeneratorDoes) {
+  Random random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(200); ++round) {
+    auto twin = *AxisTwin::of(*find_model(6212));
+    const auto units = initial_units(*find_model(6212));
+    const auto speed = random.between(1000, 300'000);
+    const auto slope = random.between(500'000, 5'000'000);
+    const auto braking = random.between(500'000, 5'000'000);
+    for (const auto& [number, value] : std::initializer_list<std::pair<std::uint8_t, std::int64_t>>{
+             {number_of("max_velocity"), speed},
+             {number_of("max_acceleration"), slope},
+             {number_of("max_deceleration"), braking},
+             {number_of("velocity_v1"), 0},
+             {number_of(Family::sixpoint, "start_velocity"), 0}})
+      ASSERT_TRUE(twin.set({number, static_cast<std::int32_t>(value)})) << int{number};
+    const auto target = random.either_way(random.any_size(200'000));
+    twin.move_to(Microsteps{static_cast<std::int32_t>(target)});
+    const double sense = target < 0 ? -1 : 1;
+    const SpeedRamp ramp{at(0), 0, 0, sense * static_cast<double>(speed) * units.velocity.value,
+                         static_cast<double>(slope) * units.acceleration.value};
+    SCOPED_TRACE(std::to_string(speed) + ", " + std::to_string(slope) + ", " +
+                 std::to_string(braking) + ", to " + std::to_string(target));
+    for (int ms = 1; ms < 1000; ++ms) {
+      twin.advance(milliseconds(1));
+      const auto there =
+          ramp.to_target(static_cast<double>(target),
+                         static_cast<double>(braking) * units.acceleration.value, at(ms));
+      ASSERT_NEAR(there.position, twin.motion().position.value, 20) << ms;
     }
   }
 }

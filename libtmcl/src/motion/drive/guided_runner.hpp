@@ -40,10 +40,15 @@ class GuidedRunner : public StreamRunner {
   bool turn_is_due(std::size_t axis, std::int32_t velocity, double next_update) const;
   /// The course is at a halt, and no axis has been told to move.
   bool stands_at_halt() const;
-  double expected(std::size_t axis, TimePoint at) const;
+  /// By what it was told, and by its target if it has one.
+  SpeedRamp motion_at(std::size_t axis, TimePoint at) const;
+  double expected(std::size_t axis, TimePoint at) const { return motion_at(axis, at).position; }
+  double expected_speed(std::size_t axis, TimePoint at) const { return motion_at(axis, at).speed; }
   void correct(std::size_t axis);
   /// In microsteps per second squared.
   double acceleration_of(std::size_t axis, std::int32_t value) const;
+  /// What the course does not need of an acceleration, in microsteps per second squared.
+  double left_by_course(std::size_t axis, double acceleration) const;
   static std::int32_t greatest_acceleration_of(const StreamAxis& axis);
 
   std::vector<Guided> guided_ = std::vector<Guided>(axes());

@@ -29,7 +29,10 @@ class SegmentRunner final : public GuidedRunner {
   Script<Fault> tell_rest(std::size_t axis, const SegmentSpan& span);
   static bool may_stand(const SegmentTask& task, const SegmentSpan& span);
   SegmentTask task_of(std::size_t axis, const SegmentSpan& span) const;
-  double speed_for(std::size_t axis, const SegmentTask& task, const Segment& wanted) const;
+  double speed_for(std::size_t axis, const SegmentSpan& span, const SegmentTask& task,
+                   const Segment& wanted) const;
+  double without_overtaking(std::size_t axis, const SegmentTask& task, double speed) const;
+  bool turns(std::size_t axis, double speed) const;
   double slope_now(std::size_t axis, double speed) const;
   double braking_needed(std::size_t axis, const SegmentSpan& span, double speed) const;
   double own_slope(std::size_t axis) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tmcl/seconds.hpp"
 
@@ -53,6 +54,26 @@ double SpeedRamp::position_at(TimePoint time) const {
 
 SpeedRamp SpeedRamp::from(TimePoint time) const {
   return {time, position_at(time), speed_at(time), end_speed, slope};
+}
+
+SpeedRamp SpeedRamp::to_target(double target, double braking, TimePoint time) const {
+  const double sense = std::copysign(1.0, target - position);
+  const auto brakes = [&](const SpeedRamp& motion) {
+    const double speed = sense * motion.speed;
+    return speed > 0 && speed * speed > 2 * braking * sense * (target - motion.position);
+  };
+  auto there = from(time);
+  if (time <= begin || braking <= 0 || !brakes(there)) return there;
+  auto [goes_on, brakes_at] = std::pair(begin, brakes(*this) ? begin : time);
+  while (brakes_at - goes_on > std::chrono::microseconds(1)) {
+    const auto middle = goes_on + (brakes_at - goes_on) / 2;
+    (brakes(from(middle)) ? brakes_at : goes_on) = middle;
+  }
+  const auto last = from(brakes_at);
+  const double braked_s = std::min(seconds(time - brakes_at), std::abs(last.speed) / braking);
+  there.speed = last.speed - sense * braking * braked_s;
+  there.position = last.position + (last.speed + there.speed) / 2 * braked_s;
+  return there;
 }
 
 Segment segment_for(const SegmentTask& task) {

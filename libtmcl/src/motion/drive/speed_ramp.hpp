@@ -22,6 +22,9 @@ struct SpeedRamp {
   double position_at(TimePoint time) const;
   /// The same motion, as it is at that time and later.
   SpeedRamp from(TimePoint time) const;
+  /// The motion of a ramp generator that brakes for its target, as it is at that time. `braking` is
+  /// by how much its speed changes then.
+  SpeedRamp to_target(double target, double braking, TimePoint time) const;
   /// How long the change of speed takes.
   double ramp_s() const;
 };

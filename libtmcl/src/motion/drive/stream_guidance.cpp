@@ -37,6 +37,9 @@ constexpr std::int32_t farthest_of_others = 1 << 30;
 // A pause brakes half as hard as the axis' own ramp would: the course may need the rest.
 constexpr double pause_ramps = 2;
 
+// The least part of an acceleration that is there to make up for differences.
+constexpr double least_left = 0.25;
+
 }  // namespace
 
 const Guidance& guidance_of(Family family) {
@@ -125,9 +128,7 @@ StreamScript GuidedRunner::guide(std::size_t axis, std::int32_t velocity, double
   if (target != here.target) {
     co_await command({Kind::set, axis, ap::target_position, target});
     if (!answer_) co_return refusal(axis);
-    here.motion.position = expected(axis, middle());
-    here.motion.speed = here.motion.speed_at(middle());
-    here.motion.begin = middle();
+    here.motion = motion_at(axis, middle());
     here.target = target;
     if (turns) turned = middle();
   }
@@ -146,7 +147,7 @@ bool GuidedRunner::stops_in_time(std::size_t axis) const {
   const auto& here = guided_[axis];
   const auto then = now_ + report_.round_trip / 2;
   const double way = (here.target - expected(axis, then)) * heading(axis);
-  const double speed = here.motion.speed_at(then) * heading(axis);
+  const double speed = expected_speed(axis, then) * heading(axis);
   if (speed <= 0 || way <= 1) return true;
   const auto slowing = settings_[axis].now(guidance_of(axes_[axis].family).slowing);
   return speed * speed <= 2 * acceleration_of(axis, slowing.value_or(0)) * (way - 1);
@@ -192,13 +193,16 @@ std::int32_t GuidedRunner::target_from(std::size_t axis, double position) const 
       std::lround(std::clamp(end, position - farthest, position + farthest)));
 }
 
-// On its way to a target it stops there.
-double GuidedRunner::expected(std::size_t axis, TimePoint at) const {
+SpeedRamp GuidedRunner::motion_at(std::size_t axis, TimePoint at) const {
   const auto& [motion, target] = std::tie(guided_[axis].motion, guided_[axis].target);
-  const double on = motion.position_at(at);
-  if (!has_targets(axis)) return on;
-  return heading(axis) > 0 ? std::min(on, std::max<double>(target, motion.position))
-                           : std::max(on, std::min<double>(target, motion.position));
+  if (!has_targets(axis)) return motion.from(at);
+  const auto braking = settings_[axis].now(guidance_of(axes_[axis].family).accelerations.back());
+  auto there = motion.to_target(target, acceleration_of(axis, braking.value_or(0)), at);
+  // If it cannot brake in time it goes beyond the target, and comes back.
+  const double on = there.position;
+  there.position = heading(axis) > 0 ? std::min(on, std::max<double>(target, motion.position))
+                                     : std::max(on, std::min<double>(target, motion.position));
+  return there;
 }
 
 void GuidedRunner::note_velocity(std::size_t axis, std::int32_t velocity, TimePoint at) {
@@ -207,18 +211,30 @@ void GuidedRunner::note_velocity(std::size_t axis, std::int32_t velocity, TimePo
   const bool slower = std::abs(velocity) < std::abs(here.velocity.value_or(0));
   const auto parameter = slower ? guidance.slowing : guidance.accelerations.front();
   const double acceleration = acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
-  here.motion = {at, expected(axis, at), here.motion.speed_at(at),
-                 velocity * axes_[axis].units.velocity.value};
+  here.motion = motion_at(axis, at);
+  here.motion.end_speed = velocity * axes_[axis].units.velocity.value;
   if (acceleration > 0) here.motion.slope = acceleration;
   here.velocity = velocity;
 }
 
+// Where it was read between question and answer is not known. What that does not explain is made up
+// for at once.
 void GuidedRunner::correct(std::size_t axis) {
-  guided_[axis].motion.position += observer_gain * (*answer_ - expected(axis, middle()));
+  const auto [time, position, speed, end_speed, slope] = motion_at(axis, middle());
+  const double off = *answer_ - position;
+  const double unsure = 1 + std::abs(speed) * seconds(now_ - asked_at_) / 2;
+  const double unexplained = off - std::clamp(off, -unsure, unsure);
+  guided_[axis].motion.position += unexplained + observer_gain * (off - unexplained);
 }
 
 double GuidedRunner::acceleration_of(std::size_t axis, std::int32_t value) const {
   return value * axes_[axis].units.acceleration.value;
+}
+
+double GuidedRunner::left_by_course(std::size_t axis, double acceleration) const {
+  const double scale = std::abs(axes_[axis].microsteps_per_unit);
+  const double needed = course_.limits().axis[axis].acceleration * scale;
+  return std::max(acceleration - needed, least_left * acceleration);
 }
 
 // With more, a TMC429 may oscillate around its target: 2^(ramp_div - pulse_div + 12) - 1, in its

@@ -133,7 +133,7 @@ StreamScript SegmentRunner::tell_segment(std::size_t axis, const SegmentSpan& sp
   const double unit = axes_[axis].units.velocity.value;
   const double braking = braking_needed(axis, span, wanted.speed);
   const bool brakes = slope_now(axis, 0) >= braking;
-  const bool keeps_speed = change < unit / 2 && here.motion.speed_at(now_) == here.motion.end_speed;
+  const bool keeps_speed = change < unit / 2 && expected_speed(axis, now_) == here.motion.end_speed;
   if (keeps_speed && brakes) co_return std::nullopt;
   const double slope = std::max(
       {braking, least_slope(axis, span, std::max(std::abs(task.speed), std::abs(wanted.speed))),
@@ -148,7 +148,7 @@ StreamScript SegmentRunner::tell_segment(std::size_t axis, const SegmentSpan& sp
   co_await until(told_at(axis, span) - report_.round_trip / 2);
   if (auto asked = asked_to_stop()) co_return asked;
   clock_.advance(now_);
-  const double speed = speed_for(axis, task, wanted);
+  const double speed = speed_for(axis, span, task, wanted);
   const auto most = axes_[axis].greatest_velocity;
   const auto value = std::clamp<long>(std::lround(speed / unit), -most, most);
   auto wrong =
@@ -204,7 +204,7 @@ StreamScript SegmentRunner::turn_late_ones(const SegmentSpan& span) {
     if (!brought_back_[axis]) continue;
     brought_back_[axis].reset();
     const double way = here.target - expected(axis, now_);
-    const double speed = std::max(std::abs(here.motion.speed_at(now_)), 1.0);
+    const double speed = std::max(std::abs(expected_speed(axis, now_)), 1.0);
     co_await until(now_ + std::min(report_.period, duration(2 * std::abs(way) / speed)));
     if (auto asked = asked_to_stop()) co_return asked;
     auto wrong = co_await tell_segment(axis, span);
@@ -242,7 +242,7 @@ StreamScript SegmentRunner::watch_segment(const SegmentSpan& span, TimePoint unt
 StreamScript SegmentRunner::bring_back(std::size_t axis, const SegmentSpan& span) {
   auto& here = guided_[axis];
   const auto takes = updates_of_a_correction * report_.period;
-  const bool is_even = here.motion.speed_at(now_) == here.motion.end_speed;
+  const bool is_even = expected_speed(axis, now_) == here.motion.end_speed;
   if (brought_back_[axis] || !is_even || now_ + 2 * takes > span.end) co_return std::nullopt;
   const double off =
       planned_position(axis) - expected(axis, now_) / axes_[axis].microsteps_per_unit;

@@ -55,7 +55,7 @@ double SegmentRunner::braking_needed(std::size_t axis, const SegmentSpan& span,
   const auto& here = guided_[axis];
   const auto& guidance = guidance_of(axes_[axis].family);
   const auto begin = told_at(axis, span);
-  const double before = here.motion.speed_at(begin);
+  const double before = expected_speed(axis, begin);
   if (!guidance.by_targets) return 0;
   const auto needed = [&](double fast, double from, double spare) {
     return fast * fast / (2 * std::max(std::abs(here.target - from) - spare, 1.0));
@@ -73,29 +73,63 @@ double SegmentRunner::braking_needed(std::size_t axis, const SegmentSpan& span,
                   needed(before, stands_at, spare));
 }
 
-// By the slope that there is, and not farther beyond the speed at the end than a correction brings
-// it back: the next segment makes up for what is missing. If the ramp takes most of the time, each
-// difference would cost too much.
-double SegmentRunner::speed_for(std::size_t axis, const SegmentTask& task,
+// By the slope that there is, and not farther beyond the speeds of the course than a correction
+// brings it back: the next segment makes up for what is missing. If the ramp takes most of the
+// time, each difference would cost too much.
+double SegmentRunner::speed_for(std::size_t axis, const SegmentSpan& span, const SegmentTask& task,
                                 const Segment& wanted) const {
   const double slope = slope_now(axis, wanted.speed);
   const double top = course_.top_speed(axis) * std::abs(axes_[axis].microsteps_per_unit);
   const double change = std::abs(wanted.speed - task.speed);
   auto speed = speed_by(slope, task).value_or(wanted.speed);
   if (change > most_of_segment * slope * task.time_s) speed = wanted.speed;
-  const auto [least, most] = std::minmax(task.speed, task.end_speed);
+  const double begin = clock_.passed_at(span.begin) + instant;
+  const double planned =
+      clock_.rate() * course_.at(begin).velocity[axis] * axes_[axis].microsteps_per_unit;
+  const auto [least, most] = std::minmax(planned, task.end_speed);
   const double undone =
       greatest_slope(axis, true) * updates_of_a_correction * seconds(report_.period);
   const double beyond = std::min(catching_up * top, undone);
-  return std::clamp(speed, least - beyond, most + beyond);
+  return without_overtaking(axis, task, std::clamp(speed, least - beyond, most + beyond));
+}
+
+// If an axis makes up for what it is behind, it is faster than the course at the end: by no more
+// than what the acceleration that the course leaves takes away again on the way that is missing.
+double SegmentRunner::without_overtaking(std::size_t axis, const SegmentTask& task,
+                                         double speed) const {
+  const double slope = slope_now(axis, speed);
+  const double within = options_.even_within * std::abs(axes_[axis].microsteps_per_unit);
+  const double left = left_by_course(axis, greatest_slope(axis, false));
+  const auto overtakes = [&](double told) {
+    const double ramp = slope > 0 ? std::min(std::abs(told - task.speed) / slope, task.time_s) : 0;
+    const double way = told * task.time_s + (task.speed - told) * ramp / 2;
+    const double beyond = told - task.end_speed;
+    const double missing = std::max(0.0, std::copysign(task.way - way, (task.way - way) * beyond));
+    return beyond * beyond > 2 * left * (missing + within);
+  };
+  if (!overtakes(speed)) return speed;
+  auto [allowed, refused] = std::pair(0.0, 1.0);
+  while (refused - allowed > 1e-3) {
+    const double part = (allowed + refused) / 2;
+    (overtakes(std::lerp(task.end_speed, speed, part)) ? refused : allowed) = part;
+  }
+  return std::lerp(task.end_speed, speed, allowed);
+}
+
+// Also if it was told to stop, and has not come to rest.
+bool SegmentRunner::turns(std::size_t axis, double speed) const {
+  return guided_[axis].motion.end_speed * speed < 0 || expected_speed(axis, now_) * speed < 0;
 }
 
 double SegmentRunner::slope_now(std::size_t axis, double speed) const {
-  const auto& here = guided_[axis];
   const auto& guidance = guidance_of(axes_[axis].family);
-  const bool slower = std::abs(speed) < std::abs(here.motion.end_speed);
-  const auto parameter = slower ? guidance.slowing : guidance.accelerations.front();
-  return acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
+  const auto slope = [&](std::uint8_t parameter) {
+    return acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
+  };
+  const double faster = slope(guidance.accelerations.front());
+  if (turns(axis, speed)) return std::min(faster, slope(guidance.slowing));
+  const bool slower = std::abs(speed) < std::abs(guided_[axis].motion.end_speed);
+  return slower ? slope(guidance.slowing) : faster;
 }
 
 StreamScript SegmentRunner::set_slopes(std::size_t axis, double speed, double slope,
@@ -103,12 +137,12 @@ StreamScript SegmentRunner::set_slopes(std::size_t axis, double speed, double sl
   const auto& guidance = guidance_of(axes_[axis].family);
   const auto faster = guidance.accelerations.front();
   const double before = guided_[axis].motion.end_speed;
-  const bool turns = before * speed < 0;
+  const bool is_turn = turns(axis, speed);
   Fault refused;
-  if (faster == guidance.slowing || turns || std::abs(speed) > std::abs(before))
+  if (faster == guidance.slowing || is_turn || std::abs(speed) > std::abs(before))
     refused = co_await set_slope(axis, faster, slope);
   if (refused || faster == guidance.slowing) co_return refused;
-  if (turns || std::abs(speed) < std::abs(before)) {
+  if (is_turn || std::abs(speed) < std::abs(before)) {
     refused = co_await set_slope(axis, guidance.slowing, slope);
   } else if (slope_now(axis, 0) < braking) {
     refused = co_await set_slope(axis, guidance.slowing, braking);
@@ -124,17 +158,16 @@ StreamScript SegmentRunner::set_slope(std::size_t axis, std::uint8_t parameter, 
   const auto value = acceleration_in(axes_[axis], slope / scale, most);
   auto refused = co_await set(axis, {parameter, value});
   if (refused) co_return refused;
-  here.motion = here.motion.from(middle());
+  here.motion = motion_at(axis, middle());
   here.motion.slope = acceleration_of(axis, value);
   co_return std::nullopt;
 }
 
 SegmentTask SegmentRunner::task_of(std::size_t axis, const SegmentSpan& span) const {
-  const auto& here = guided_[axis];
   const double scale = axes_[axis].microsteps_per_unit;
   const auto begin = told_at(axis, span);
   const double least_s = shortest_segment_ramp * seconds(report_.period);
-  return {here.motion.speed_at(begin), span.at_end.velocity[axis] * scale,
+  return {expected_speed(axis, begin), span.at_end.velocity[axis] * scale,
           span.at_end.position[axis] * scale - expected(axis, begin),
           std::max(seconds(span.end - begin), least_s), least_s};
 }

@@ -25,6 +25,7 @@ class VelocityRunner final : public GuidedRunner {
   Script<Fault> prepare_for_feed();
   Script<Fault> update(std::size_t axis);
   std::int32_t velocity_for(std::size_t axis) const;
+  double correction(std::size_t axis, double behind) const;
 
   std::vector<TimePoint> due_ = std::vector<TimePoint>(axes());  // of each axis' next update
   AxisValues steepest_{};  // between updates; in units a second squared
@@ -152,13 +153,27 @@ std::int32_t VelocityRunner::velocity_for(std::size_t axis) const {
   // Readings are whole microsteps. Where the course stands, a motor would go to and fro for one.
   if (std::abs(behind) < (next == planned ? 2 : 1)) behind = 0;
   const double period = seconds(report_.period);
-  const double most_way =
-      most_correction * course_.top_speed(axis) * std::abs(info.microsteps_per_unit) * period;
-  const double way = (next - planned) * info.microsteps_per_unit +
-                     std::clamp(position_gain * behind, -most_way, most_way);
-  const double value = way / period / info.units.velocity.value;
+  const double speed =
+      (next - planned) * info.microsteps_per_unit / period + correction(axis, behind);
+  const double value = speed / info.units.velocity.value;
   const double most = info.greatest_velocity;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
+}
+
+// How much faster than the course an axis is to be that is so many microsteps behind it: no more
+// than what the acceleration that the course leaves takes away again on that way. Otherwise an axis
+// that is far behind would overtake the course.
+double VelocityRunner::correction(std::size_t axis, double behind) const {
+  const double scale = std::abs(axes_[axis].microsteps_per_unit);
+  const double gain = position_gain / seconds(report_.period);
+  const auto parameter = guidance_of(axes_[axis].family).accelerations.front();
+  const double slope = acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
+  const double left = left_by_course(axis, slope);
+  // With this, a gain would ask for just as much.
+  const double even = left / (gain * gain);
+  const double off = std::abs(behind);
+  const double speed = off <= even ? gain * off : std::sqrt(left * (2 * off - even));
+  return std::copysign(std::min(speed, most_correction * course_.top_speed(axis) * scale), behind);
 }
 
 }  // namespace
