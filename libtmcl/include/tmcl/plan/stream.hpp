@@ -51,7 +51,8 @@ constexpr int most_late_updates = 10;
 constexpr double position_gain = 0.5;
 /// What part of the axis' greatest velocity on the course that may take at most.
 constexpr double most_correction = 0.5;
-/// What part of a difference between reading and expectation is believed.
+/// What part of a difference between reading and expectation is believed, where the time between
+/// question and answer may explain it; what that does not explain is believed at once.
 constexpr double observer_gain = 0.2;
 /// How much of the bus a stream leaves to others, and to chance.
 constexpr double spare_part_of_bus = 0.25;
