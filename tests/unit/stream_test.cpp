@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "support/stream_bench.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -241,6 +242,54 @@ TEST_P(EachMode, AStarvedStreamStops) {
   EXPECT_EQ(report.fault->kind, FaultKind::starved) << report.fault->message;
   EXPECT_THAT(report.fault->message, HasSubstr("ms late"));
   expect_as_before();
+}
+
+// How far an axis is behind that went 30 % too slow for 15 ms, in mm, each 5 ms from then on. It
+// says all the time that it does what it is told.
+std::vector<double> behind_after_slowness() {
+  constexpr double speed = 10;
+  constexpr Duration slow_from = milliseconds(1500), slow_until = milliseconds(1515);
+  Bench bench(6212, 1);
+  std::int32_t told = 0;
+  const auto is_slow = [&] {
+    const auto passed = bench.now().time_since_epoch();
+    return passed >= slow_from && passed < slow_until;
+  };
+  const auto go = [&] {
+    return bench.ask(Command::SAP, ap::max_velocity, 0, is_slow() ? told * 7 / 10 : told);
+  };
+  bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
+    const bool sets = command.kind == Kind::set && command.parameter == ap::max_velocity;
+    if (sets) told = command.value;
+    if (sets) return go();
+    const bool looks = command.kind == Kind::get && command.parameter == ap::target_velocity;
+    return looks && told != 0 ? std::optional(tmcl::Result<std::int32_t>(told)) : std::nullopt;
+  };
+  bool was_slow = false;
+  double late = 0;
+  std::vector<double> behind;
+  bench.every_ms = [&] {
+    if (is_slow() != was_slow) EXPECT_TRUE(go());
+    was_slow = is_slow();
+    const double now_s = tmcl::seconds(bench.now().time_since_epoch());
+    const double lag = speed * now_s - bench.mm(0);
+    if (now_s < tmcl::seconds(slow_from)) late = lag;
+    if (now_s > tmcl::seconds(slow_until) + 0.005 * static_cast<double>(behind.size()))
+      behind.push_back(lag - late);
+  };
+  path_file::Path path{{"X"}, {}, {}};
+  path.elements = {path_file::LineTo{{30, 0}, speed, {}, 1}};
+  const auto report = bench.pass(path, StreamMode::velocity);
+  EXPECT_FALSE(report.fault) << report.fault->message;
+  return behind;
+}
+
+TEST(Stream, AnAxisThatWasTooSlowIsBackWithinSixUpdates) {
+  const auto behind = behind_after_slowness();
+  ASSERT_GT(behind.size(), 20U);
+  EXPECT_GT(behind[0], 0.03);
+  EXPECT_LT(behind[6], 0.005);
+  EXPECT_GT(*std::min_element(behind.begin(), behind.begin() + 20), -0.002) << "goes beyond";
 }
 
 TEST_P(EachMode, ALittleLateIsMadeUpFor) {
