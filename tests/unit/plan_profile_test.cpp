@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <initializer_list>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "tmcl/plan/profile.hpp"
@@ -230,6 +232,35 @@ TEST(PlanProfile, ARampFromASpeedObeysTheEquationsOfConstantAcceleration) {
   EXPECT_EQ(solved->position_at(2), 10);
   EXPECT_EQ(solved->position_at(6), 32 + 14 + 13);
   EXPECT_EQ(solved->speed_at(8), 10);
+}
+
+// Of a ramp its rate, its time, its distance and the greatest speed: any two that say something of
+// it are enough, on either side.
+TEST(PlanProfile, AnyTwoQuantitiesOfARampThatEndsWithASpeedGiveTheOthers) {
+  const std::array<std::pair<Quantity, double>, 4> up{
+      {{acceleration, 3}, {acceleration_time, 4}, {acceleration_distance, 32}, {speed, 14}}};
+  const std::array<std::pair<Quantity, double>, 4> down{
+      {{deceleration, 2}, {deceleration_time, 2}, {deceleration_distance, 24}, {speed, 14}}};
+  for (const auto& [ramp, other] : {std::pair(up, down), std::pair(down, up)}) {
+    for (std::size_t first = 0; first < ramp.size(); ++first) {
+      for (std::size_t second = first + 1; second < ramp.size(); ++second) {
+        SCOPED_TRACE(std::string(name_of(ramp[first].first)) + " and " +
+                     std::string(name_of(ramp[second].first)));
+        Given known{};
+        known[initial_speed] = 2, known[final_speed] = 10, known[slew_time] = 1;
+        known[other[1].first] = other[1].second;
+        for (const auto at : {first, second}) known[ramp[at].first] = ramp[at].second;
+        const auto solved = solve(known);
+        ASSERT_TRUE(solved) << describe(solved.error());
+        EXPECT_DOUBLE_EQ(solved->speed, 14);
+        EXPECT_DOUBLE_EQ(solved->acceleration, 3);
+        EXPECT_DOUBLE_EQ(solved->acceleration_time, 4);
+        EXPECT_DOUBLE_EQ(solved->deceleration, 2);
+        EXPECT_DOUBLE_EQ(solved->deceleration_time, 2);
+        EXPECT_DOUBLE_EQ(solved->distance, 70);
+      }
+    }
+  }
 }
 
 TEST(PlanProfile, DistancesOfThePartsAreThoseOfTheNote) {
