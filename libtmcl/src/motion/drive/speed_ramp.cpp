@@ -59,8 +59,8 @@ SpeedRamp SpeedRamp::from(TimePoint time) const {
 SpeedRamp SpeedRamp::to_target(double target, double braking, TimePoint time) const {
   const double sense = std::copysign(1.0, target - position);
   const auto brakes = [&](const SpeedRamp& motion) {
-    const double speed = sense * motion.speed;
-    return speed > 0 && speed * speed > 2 * braking * sense * (target - motion.position);
+    const double along = sense * motion.speed;
+    return along > 0 && along * along > 2 * braking * sense * (target - motion.position);
   };
   auto there = from(time);
   if (time <= begin || braking <= 0 || !brakes(there)) return there;
