@@ -46,10 +46,10 @@ async function freePort() {
   return port;
 }
 
-export const axis = (name, motor) => `[[axis]]
+export const axis = (name, motor, address = 1) => `[[axis]]
 name = "${name}"
 bus = "bench"
-address = 1
+address = ${address}
 motor = ${motor}
 unit = "mm"
 units_per_revolution = 8.0
@@ -57,9 +57,9 @@ soft_limits = [-200.0, 200.0]
 max_velocity = 20
 `;
 
-/** A TMCM-3110 with the axes x, y and z of 8 mm a turn. */
+/** Modules at the addresses from 1 on; without other wishes a TMCM-3110 with the axes x, y and z of 8 mm a turn. */
 export class Bench {
-  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2), hasOwnPage = false } = {}) {
+  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2), models = ["TMCM-3110"], hasOwnPage = false } = {}) {
     const bench = new Bench();
     bench.folder = await mkdtemp(join(tmpdir(), "tmcl-page-"));
     // A copy, which a test may change.
@@ -68,7 +68,7 @@ export class Bench {
     bench.socket = join(bench.folder, "socket");
     bench.port = await freePort();
     const link = join(bench.folder, "bus");
-    bench.simulator = new Program("tmclsim", "--module", "TMCM-3110", "--pty", link);
+    bench.simulator = new Program("tmclsim", ...models.flatMap((model) => ["--module", model]), "--pty", link);
     await bench.simulator.says("ready");
     await writeFile(
       join(bench.folder, "tmcld.toml"),
