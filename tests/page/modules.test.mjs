@@ -211,6 +211,17 @@ describe("the text of a program", () => {
     await until("no line of another text is marked", async () => (await page.locator(".editor .next").count()) === 0);
   });
 
+  it("lies over its coloured text, letter over letter", async () => {
+    await editor().fill("SGP 1, 2, 5\n");
+    const look = (place) =>
+      place.evaluate((element) => {
+        const { font, paddingTop, paddingLeft, tabSize, whiteSpace } = getComputedStyle(element);
+        return { font, paddingTop, paddingLeft, tabSize, whiteSpace };
+      });
+    assert.deepEqual(await look(page.locator(".editor pre")), await look(editor()));
+    assert.equal(await page.locator(".editor pre").evaluate((element) => getComputedStyle(element).backgroundColor), "rgba(0, 0, 0, 0)");
+  });
+
   it("has a breakpoint where the number of a line is clicked", async () => {
     const clickLine = async (line) => {
       const { top, height } = await editor().evaluate((field) => ({

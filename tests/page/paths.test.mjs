@@ -246,7 +246,7 @@ describe("a path that switches outputs", () => {
       ["M3", "bench:1 output 0 1", "2", "3"],
       ["M5", "bench:1 output 0 0", "2", "5"],
     ]);
-    await page.getByText("It waits once at M0, until it is let go on.").waitFor();
+    await page.getByText("It waits once at M0 for Resume.").waitFor();
     await page.context().close();
     await bench.end();
   });

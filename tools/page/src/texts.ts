@@ -163,7 +163,7 @@ export const texts = {
   switches: "Switches",
   times: "Times",
   firstLine: "First in line",
-  pathWaitsAtM0: (times: number) => (times === 1 ? "It waits once at M0, until it is let go on." : `It waits ${times} times at M0, until it is let go on.`),
+  pathWaitsAtM0: (times: number) => (times === 1 ? "It waits once at M0 for Resume." : `It waits ${times} times at M0 for Resume.`),
   expected: "Expected in each mode",
   lag: "Late by at most, in s",
   keepsTolerance: "Keeps the tolerance",
@@ -288,7 +288,7 @@ export const texts = {
   programText: "Text of a program",
   editorHelp:
     "As tmcld reads it, in the language of the TMCL-IDE, such as MVP ABS, 0, 5000. While an axis moves the space bar stops all axes here, too; " +
-    "while all stand it is a character. A click on the number of a line sets a breakpoint there, and clears it, once the module has the text.",
+    "while all stand it is a character. Once the module has this text, a click on a line number sets or clears a breakpoint.",
   openText: "Open a text",
   saveText: "Save the text",
   loadText: "Load the text",
