@@ -13,7 +13,6 @@
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
 #include "support/stream_bench.hpp"
-#include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -50,7 +49,7 @@ struct Seen {
   std::array<double, 2> allowed_jump{};  // by the corners of the path
   int holds = 0;
   int turns = 0;
-  Duration update{};  // from one to the effect of the next one
+  double late_turn = 0;  // how far an axis goes while another one waits for a late update
   std::string fault{};
   bool at_end = true;
 };
@@ -68,7 +67,7 @@ class Passing {
   Seen run() {
     const auto report = bench_.pass(feeding_.path, feeding_.mode);
     if (report.fault) seen_.fault = report.fault->message;
-    seen_.update = report.period + feeding_.round_trip;
+    seen_.late_turn = test::late_turn(report, feeding_.velocity, feeding_.round_trip);
     const auto& end = std::get<path_file::LineTo>(feeding_.path.elements.back()).target;
     for (const auto axis : axes()) {
       const auto is = bench_.get(axis, test::ap::actual_position);
@@ -157,11 +156,10 @@ std::string describe(const Feeding& feeding) {
          std::to_string(feeding.round_trip.count() / 1000) + " us:" + test::describe(feeding.path);
 }
 
-// As far off as paths get that go as planned: see stream_property_test.cpp. On a slow bus an axis
-// may have to wait for an update to turn round, while the other one goes on.
+// As far off as paths get that go as planned: see stream_property_test.cpp.
 double most_off_with_feed(const Feeding& feeding, const Seen& seen) {
   const double by_mode = feeding.mode == StreamMode::velocity ? 0.12 : 0.2;
-  return std::max(by_mode, feeding.velocity * seconds(seen.update));
+  return std::max(by_mode, seen.late_turn);
 }
 
 // A change of speed takes half an update, by twice the acceleration; the rest is to be in time.

@@ -11,7 +11,6 @@
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
 #include "support/stream_bench.hpp"
-#include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -31,11 +30,9 @@ constexpr double most_off_by_velocity = 0.1;
 constexpr double most_off_by_segments = 0.2;
 constexpr double most_off_by_position = 0.3;
 
-// `way` is what an axis goes until an update has its effect: so long it may have to wait to turn
-// round, while the other one goes on.
-double most_off(StreamMode mode, double way) {
+double most_off(StreamMode mode, double late_turn) {
   switch (mode) {
-    case StreamMode::velocity: return std::max(most_off_by_velocity, way);
+    case StreamMode::velocity: return std::max(most_off_by_velocity, late_turn);
     case StreamMode::segments: return most_off_by_segments;
     case StreamMode::position: break;
   }
@@ -246,9 +243,8 @@ class Play {
                 std::lround(end[axis] * microsteps_per_mm()));
     EXPECT_FALSE(foreign_stop_) << "not noticed";
     if (scene_.trouble == Trouble::none) {
-      EXPECT_LT(farthest_,
-                most_off(scene_.mode,
-                         scene_.velocity * tmcl::seconds(report.period + scene_.round_trip)));
+      const double late_turn = test::late_turn(report, scene_.velocity, scene_.round_trip);
+      EXPECT_LT(farthest_, most_off(scene_.mode, late_turn));
     }
     EXPECT_EQ(report.axes.size(), scene_.path.axes.size());
   }

@@ -20,6 +20,7 @@
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/rehearsal.hpp"
 #include "tmcl/plan/stream.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcl::plan::test {
 
@@ -212,6 +213,13 @@ inline path_file::Path circle(double feed, double chord) {
         {circle_radius * (1 - std::cos(angle)), circle_radius * std::sin(angle)}, feed, {}, 1});
   }
   return path;
+}
+
+/// On a bus that is too slow for the shortest period an axis waits longer for the update that turns
+/// it round: so far another one goes meanwhile, in mm. 0 on a faster bus.
+inline double late_turn(const StreamReport& report, double velocity, Duration round_trip) {
+  if (report.period <= shortest_stream_period) return 0;
+  return velocity * tmcl::seconds(report.period + round_trip);
 }
 
 /// How far a point is from the lines of a path that begins at (0, 0).

@@ -49,13 +49,14 @@ double mean_swing(const std::optional<Shaping>& shaping, StreamMode mode) {
   return sum / ways;
 }
 
-// zv has the shortest impulses, and is hurt most by what an axis is off its course.
+// zv is hurt most by what an axis is off its course: by velocities, a third of the swing is left.
 TEST(StreamShaping, LetsTheLoadHardlySwingAfterThePath) {
   for (const auto mode : {StreamMode::velocity, StreamMode::segments}) {
     const double unshaped = mean_swing(std::nullopt, mode);
     EXPECT_GT(unshaped, 0.1) << name_of(mode);
-    for (const auto& [shaper, part] :
-         {std::pair(Shaper::zv, 0.4), std::pair(Shaper::zvd, 0.2), std::pair(Shaper::ei, 0.2)}) {
+    const double zv_part = mode == StreamMode::velocity ? 0.33 : 0.2;
+    for (const auto& [shaper, part] : {std::pair(Shaper::zv, zv_part), std::pair(Shaper::zvd, 0.2),
+                                       std::pair(Shaper::ei, 0.2)}) {
       EXPECT_LT(mean_swing(Shaping{shaper, load_of_x}, mode), part * unshaped)
           << name_of(shaper) << " by " << name_of(mode);
     }
