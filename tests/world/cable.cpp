@@ -93,9 +93,18 @@ std::int32_t CableBench::get(std::uint8_t motor, std::uint8_t parameter) {
   return *module.axis(motor).get(parameter);
 }
 
+bool CableBench::moves() {
+  for (std::uint8_t motor = 0; motor < module.model().axes; ++motor) {
+    if (get(motor, ap::actual_velocity) != 0) return true;
+  }
+  return false;
+}
+
 tmcl::Duration CableBench::time_to_stand() {
   const auto began = time.now();
-  EXPECT_TRUE(time.run_while_not([&] { return !moves(); }, std::chrono::minutes(1)));
+  const auto limit = began + std::chrono::minutes(1);
+  while (moves() && time.now() < limit) time.run_for(std::chrono::milliseconds(1));
+  EXPECT_FALSE(moves());
   return time.now() - began;
 }
 

@@ -53,7 +53,9 @@ class CableBench {
 
   std::int32_t get(std::uint8_t motor, std::uint8_t parameter);
   double mm(std::uint8_t motor) { return get(motor, ap::actual_position) / (51'200 / 5.0); }
-  bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
+  /// Whether any axis of the module does.
+  bool moves();
+  /// Looks each millisecond: behind a cut cable the next timer may end long after the axes stand.
   tmcl::Duration time_to_stand();
   std::string name_of_error(const Result<boost::json::object>& result);
 

@@ -87,12 +87,6 @@ class JogBench : public CableBench {
   }
   std::int32_t position() { return get(0, ap::actual_position); }
   bool turns() { return get(0, ap::actual_velocity) != 0; }
-  /// Gives how long that took.
-  tmcl::Duration come_to_rest() {
-    const auto began = time.now();
-    EXPECT_TRUE(time.run_while_not([&] { return !turns(); }, 1min));
-    return time.now() - began;
-  }
   /// In microsteps per second, of the speed that it is jogged with.
   double speed() const { return family_.velocity * velocity_unit_; }
   /// From that to rest.
@@ -135,7 +129,7 @@ TEST_P(Jog, GoesOnWhileItIsCalledAgainAndSetsItsSpeedBack) {
   EXPECT_TRUE(bench.turns());
   EXPECT_EQ(bench.get(0, ap::max_velocity), velocity());
   EXPECT_NEAR(bench.get(0, ap::actual_velocity), velocity(), velocity() * 0.01);
-  bench.come_to_rest();
+  bench.time_to_stand();
   bench.time.run_for(1s);
   EXPECT_EQ(bench.position(), bench.target);
   EXPECT_EQ(bench.get(0, ap::max_velocity), bench.own_velocity);
@@ -151,7 +145,7 @@ TEST_P(Jog, TurnsRound) {
   bench.jog_for(2s, -velocity(), 200ms);
   EXPECT_LT(bench.get(0, ap::actual_velocity), 0);
   EXPECT_LT(bench.position(), there);
-  bench.come_to_rest();
+  bench.time_to_stand();
   EXPECT_EQ(bench.position(), bench.target);
 }
 
@@ -190,7 +184,7 @@ TEST_P(Jog, StandsWithinItsHoldAndTheRampWhateverIsGone) {
     if (what == 4) {
       EXPECT_FALSE(one.turns()) << "its module alone stops it";
     } else {
-      seen_turning = one.come_to_rest();
+      seen_turning = one.time_to_stand();
     }
     const auto overrun = std::abs(one.position() - from);
     const auto [ramp, way] = one.braking();
@@ -223,7 +217,7 @@ TEST_P(Jog, IsPutInOrderByTheNextDaemonIfThisOneIsKilled) {
 TEST_P(Jog, EndsWithItsClientAndGivesTheSpeedBack) {
   bench.jog_for(1s, velocity(), 1000ms);
   bench.client_leaves();
-  const auto took = bench.come_to_rest();
+  const auto took = bench.time_to_stand();
   EXPECT_LT(tmcl::seconds(took), 1.5 * bench.braking().seconds + 0.05) << "it is stopped at once";
   bench.time.run_for(1s);
   EXPECT_EQ(bench.get(0, ap::max_velocity), bench.own_velocity);
@@ -232,7 +226,7 @@ TEST_P(Jog, EndsWithItsClientAndGivesTheSpeedBack) {
 TEST_P(Jog, EndsWithAStop) {
   bench.jog_for(1s, velocity(), 1000ms);
   ASSERT_TRUE(bench.call("axis.stop", {{"axis", "x"}}));
-  bench.come_to_rest();
+  bench.time_to_stand();
   bench.time.run_for(1s);
   EXPECT_EQ(bench.get(0, ap::max_velocity), bench.own_velocity);
   EXPECT_THAT(bench.events, Contains("jog_broken"));
@@ -248,7 +242,7 @@ TEST_P(Jog, DoesNotGoOnBehindAStopOfAnotherClient) {
     EXPECT_EQ(bench.name_of_error(bench.jog(velocity(), 200ms)), "superseded_by_stop");
     bench.time.run_for(100ms);
   }
-  bench.come_to_rest();
+  bench.time_to_stand();
   const auto there = bench.position();
   bench.time.run_for(1s);
   EXPECT_EQ(bench.position(), there);
@@ -266,7 +260,7 @@ TEST(JogLimits, ItNeverPassesASoftLimit) {
   JogBench bench(families[2], "soft_limits = [-3, 3]\n");
   for (const int direction : {1, -1}) {
     bench.jog_for(3s, direction * families[2].velocity, 300ms);
-    bench.come_to_rest();
+    bench.time_to_stand();
     EXPECT_EQ(bench.mm(0), direction * 3);
   }
 }
