@@ -280,6 +280,11 @@ class Ledger {
     });
   }
 
+  /// Its coordinates are read, and sent as positions.
+  bool has_limit(const std::string& axis) const {
+    return std::ranges::find(axes_, axis, &WorldAxis::name)->soft_limit != 0;
+  }
+
   bool can_have_sent(const Running& running, const std::string& axis,
                      const tmcl::Request& request) const {
     const auto& call = running.call;
@@ -289,7 +294,8 @@ class Ledger {
     if (searches || call.method == "axis.home") return searches && call.method == "axis.home";
     const bool by_position = request.command == tmcl::Command::MVP;
     const bool to_coordinate = by_position && request.type == 2;
-    if (to_coordinate && call.coordinate) return *call.coordinate == request.value;
+    if (call.coordinate && !to_coordinate) return by_position && has_limit(axis);
+    if (call.coordinate) return *call.coordinate == request.value;
     if (to_coordinate)
       return call.method == "line.move" && request.value == coordinate_of_lines &&
              starts_all_of_module(call, request, axis);

@@ -144,7 +144,7 @@ Script<tmcl::Result<Sentinel::Verdict>> GatewayModule::judge_sentinel(tmcl::Proo
   }
   if (!sentinel_.watches()) co_return Sentinel::Verdict::same;
   tmcl::CallOptions options;
-  options.proof = proof;
+  options.proof = sentinel_.is_unmistakable() ? proof : tmcl::Proof::followed;
   const auto question = sentinel_.question(address_);
   const auto answer = co_await tmcl::exchange(question, options);
   if (answer) deadman_.note_answer(*answer);

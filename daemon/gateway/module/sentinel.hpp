@@ -69,6 +69,8 @@ class Sentinel {
     return is_by_settings() ? starts_program_ == false && !away_.empty() : kind() != Kind::none;
   }
   tmcl::Request question(tmcl::ModuleAddress module) const;
+  /// Whether the answer to another question does not fit. A target may be any number.
+  bool is_unmistakable() const { return !is_by_settings(); }
   /// Nothing where that means nothing to another run of the gateway.
   std::optional<Reading> last() const { return is_by_settings() ? std::nullopt : last_; }
 
