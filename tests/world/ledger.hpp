@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <boost/json/object.hpp>
@@ -309,27 +310,36 @@ class Ledger {
     return value ? *value == sign * request.value : goes_anywhere;
   }
 
+  /// The call that has sent it, of those that may have. Those whose value is known come first:
+  /// others may have sent any. Of several that ask for the same nobody can tell which was sent: one
+  /// that may move the axis, whose client is still there.
+  std::optional<Number> sender_of(const std::string& axis, const tmcl::Request& request,
+                                  Number after, tmcl::TimePoint now) const {
+    using Doubts = std::tuple<bool, bool, bool, Number>;
+    std::optional<Doubts> least;
+    for (const auto& [number, running] : running_) {
+      if (number <= after || !can_have_sent(running, axis, request)) continue;
+      const auto& call = running.call;
+      const Doubts doubts{call.values.empty(), owners_.is_others(axis, call.client, number, now),
+                          owners_.is_gone(call.client), number};
+      if (!least || doubts < *least) least = doubts;
+    }
+    return least ? std::optional(std::get<Number>(*least)) : std::nullopt;
+  }
+
   /// The client that has asked for it, or 0.
   std::uint64_t judge(const std::string& axis, const tmcl::Request& request, tmcl::TimePoint now) {
     ++movements_;
     note(now, "movement of " + axis + " with " + std::to_string(request.value));
     const auto after = std::max(stopped_before(axis, now), last_stale_);
-    // Those whose value is known come first: others may have sent any. Of several lines of the same
-    // axes nobody can tell which was sent: one that may move them.
-    using Order = std::pair<bool, bool>;
-    for (const auto& [knows, may] :
-         {Order(true, true), Order(true, false), Order(false, true), Order(false, false)}) {
-      for (auto& [number, running] : running_) {
-        if (running.call.values.empty() == knows || number <= after) continue;
-        if (!can_have_sent(running, axis, request)) continue;
-        if (may && owners_.is_others(axis, running.call.client, number, now)) continue;
-        running.moved.insert(axis);
-        running.sent = request;
-        if (request.command == tmcl::Command::RFS) restarts_.allow(axis, number);
-        look_for_latch(axis, running.call, now);
-        look_for_owner(axis, running.call, number, now);
-        return running.call.client;
-      }
+    if (const auto number = sender_of(axis, request, after, now)) {
+      auto& running = running_.at(*number);
+      running.moved.insert(axis);
+      running.sent = request;
+      if (request.command == tmcl::Command::RFS) restarts_.allow(axis, *number);
+      look_for_latch(axis, running.call, now);
+      look_for_owner(axis, running.call, *number, now);
+      return running.call.client;
     }
     complain("command " + std::to_string(static_cast<int>(request.command)) + " with " +
              std::to_string(request.value) + " moves " + axis + ", and no call has asked for it" +

@@ -78,6 +78,7 @@ class Owners {
       if (owner == client) owe(axis, now);
     for (const auto number : leases_of(client)) lose(number, now);
   }
+  bool is_gone(std::uint64_t client) const { return gone_.contains(client); }
   /// For so long that nothing that it has asked for can be waiting for its turn on a bus.
   bool is_long_gone(std::uint64_t client, tmcl::TimePoint now) const {
     const auto found = gone_.find(client);
