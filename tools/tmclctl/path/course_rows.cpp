@@ -37,8 +37,6 @@ std::string heading_of(const std::vector<std::string>& axes, const plot::Shown& 
 Result<std::string> to_csv(const tmcl::plan::Course& course, const std::vector<std::string>& axes,
                            DrawnPath drawn, const CourseRows& rows) {
   constexpr double rounding = 1e-9;
-  // Chords and cubics are computed, and so never exactly on a line.
-  constexpr double on_the_line = 1e-9;
   const auto shown = rows.shown.empty() ? plot::all_quantities() : rows.shown;
   const double last = std::ceil(course.duration() / rows.step - rounding);
   if (!(last < plot::most_csv_rows)) {
@@ -55,8 +53,8 @@ Result<std::string> to_csv(const tmcl::plan::Course& course, const std::vector<s
       for (const auto quantity : shown)
         text += ',' + tmcl::plain_number(value_of(quantity, motion, axis), digits);
     }
-    const double off = drawn.distance(time, motion.position);
-    text += ',' + tmcl::plain_number(off < on_the_line ? 0 : off, digits) + '\n';
+    const double off = drawn.nearest(time, motion.position).distance;
+    text += ',' + tmcl::plain_number(off < DrawnPath::rounding ? 0 : off, digits) + '\n';
   }
   return text;
 }

@@ -12,6 +12,23 @@ using tmcl::plan::AxisValues;
 using tmcl::plan::path_file::ArcTo;
 using tmcl::plan::path_file::LineTo;
 
+namespace {
+
+/// Axes that are not counted are the same in both.
+double distance(const tmcl::plan::path_file::Point& one,
+                const tmcl::plan::path_file::Point& other) {
+  double distance = 0;
+  for (std::size_t axis = 0; axis < one.size(); ++axis)
+    distance = std::hypot(distance, one[axis] - other[axis]);
+  return distance;
+}
+
+bool is_nearer(const DrawnPath::Nearest& one, const DrawnPath::Nearest& other) {
+  return one.distance < other.distance;
+}
+
+}  // namespace
+
 DrawnPath::DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course& course)
     : course_(course), axes_(std::min(path.axes.size(), path.length_axes)) {
   Point here = path.start;
@@ -29,20 +46,20 @@ DrawnPath::DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course&
   }
 }
 
-double DrawnPath::distance(double time, const AxisValues& position) {
-  if (parts_.empty()) return 0;
+DrawnPath::Nearest DrawnPath::nearest(double time, const AxisValues& position) {
+  if (parts_.empty()) return {position, 0};
   find_part(time);
-  double least = from_part(parts_[part_], position);
+  auto nearest = on_part(parts_[part_], position);
   // G28 makes two lines of one in the file.
   for (auto next = part_ + 1; next < parts_.size() && parts_[next].line == parts_[part_].line;
        ++next)
-    least = std::min(least, from_part(parts_[next], position));
-  return least;
+    nearest = std::min(nearest, on_part(parts_[next], position), is_nearer);
+  return nearest;
 }
 
-double DrawnPath::from_part(const Part& part, const AxisValues& position) const {
-  if (const auto* arc = std::get_if<ArcTo>(&part.element)) return from_arc(part, *arc, position);
-  return from_line(part, std::get<LineTo>(part.element).target, position);
+DrawnPath::Nearest DrawnPath::on_part(const Part& part, const Point& position) const {
+  if (const auto* arc = std::get_if<ArcTo>(&part.element)) return on_arc(part, *arc, position);
+  return on_line(part, std::get<LineTo>(part.element).target, position);
 }
 
 void DrawnPath::find_part(double time) {
@@ -55,7 +72,8 @@ void DrawnPath::find_part(double time) {
   if (leg_ < course_.legs()) part_ = part_of_line_.at(course_.leg(leg_).line);
 }
 
-double DrawnPath::from_line(const Part& part, const Point& target, const Point& position) const {
+DrawnPath::Nearest DrawnPath::on_line(const Part& part, const Point& target,
+                                      const Point& position) const {
   double squares = 0;
   double along = 0;
   for (std::size_t axis = 0; axis < axes_; ++axis) {
@@ -64,15 +82,15 @@ double DrawnPath::from_line(const Part& part, const Point& target, const Point& 
     along += (position[axis] - part.from[axis]) * way;
   }
   const double share = squares > 0 ? std::clamp(along / squares, 0.0, 1.0) : 0;
-  double off = 0;
+  Point point = position;
   for (std::size_t axis = 0; axis < axes_; ++axis)
-    off = std::hypot(off, position[axis] - std::lerp(part.from[axis], target[axis], share));
-  return off;
+    point[axis] = std::lerp(part.from[axis], target[axis], share);
+  return {point, distance(point, position)};
 }
 
-double DrawnPath::from_arc(const Part& part, const ArcTo& arc, const Point& position) const {
+DrawnPath::Nearest DrawnPath::on_arc(const Part& part, const ArcTo& arc,
+                                     const Point& position) const {
   constexpr double turn = 2 * std::numbers::pi;
-  const auto [one, other] = arc.plane;
   const auto angle_of = [&](const Point& point) {
     return std::atan2(point[arc.plane[1]] - arc.centre[1], point[arc.plane[0]] - arc.centre[0]);
   };
@@ -80,22 +98,21 @@ double DrawnPath::from_arc(const Part& part, const ArcTo& arc, const Point& posi
     return std::hypot(point[arc.plane[0]] - arc.centre[0], point[arc.plane[1]] - arc.centre[1]);
   };
   const double angle = angle_of(position) - angle_of(part.from);
-  double least = std::numeric_limits<double>::infinity();
+  Nearest nearest{position, std::numeric_limits<double>::infinity()};
   // Which of its turns it is: one that begins where it ends has two at that place.
   const double turns = std::ceil(std::abs(arc.sweep) / turn) + 1;
   for (double turned = -turns; turned <= turns; ++turned) {
     const double share = std::clamp((angle + turned * turn) / arc.sweep, 0.0, 1.0);
     const double radius = std::lerp(radius_of(part.from), radius_of(arc.target), share);
     const double place = angle_of(part.from) + arc.sweep * share;
-    double off = std::hypot(position[one] - arc.centre[0] - radius * std::cos(place),
-                            position[other] - arc.centre[1] - radius * std::sin(place));
-    for (std::size_t axis = 0; axis < axes_; ++axis) {
-      if (axis == arc.plane[0] || axis == arc.plane[1]) continue;
-      off = std::hypot(off, position[axis] - std::lerp(part.from[axis], arc.target[axis], share));
-    }
-    least = std::min(least, off);
+    Point point = position;
+    for (std::size_t axis = 0; axis < axes_; ++axis)
+      point[axis] = std::lerp(part.from[axis], arc.target[axis], share);
+    point[arc.plane[0]] = arc.centre[0] + radius * std::cos(place);
+    point[arc.plane[1]] = arc.centre[1] + radius * std::sin(place);
+    nearest = std::min(nearest, {point, distance(point, position)}, is_nearer);
   }
-  return least;
+  return nearest;
 }
 
 }  // namespace tmclctl::path

@@ -1,4 +1,4 @@
-/// How far a point of a course is from what the file draws.
+/// Where what the file draws is nearest to a point of a course, and how far that is.
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,18 @@ class DrawnPath {
   /// Of the course that was planned from it.
   DrawnPath(tmcl::plan::path_file::Path path, const tmcl::plan::Course& course);
 
-  /// Of a position that the course has at this time, from the line or the arc that it passes then.
-  /// Times ascend. From an arc it is measured at the angle of the position. Counted are the axes
-  /// that make the length of the path.
-  double distance(double time, const tmcl::plan::AxisValues& position);
+  using Point = tmcl::plan::path_file::Point;
+  /// Chords and cubics are computed: nearer than this they are on the line.
+  static constexpr double rounding = 1e-9;
+  struct Nearest {
+    Point point{};  ///< Axes that do not make the length of the path are as in the position.
+    double distance = 0;
+  };
+  /// To a position that the course has at this time, on the line or the arc that it passes then.
+  /// Times ascend. On an arc it is the point at the angle of the position.
+  Nearest nearest(double time, const tmcl::plan::AxisValues& position);
 
  private:
-  using Point = tmcl::plan::path_file::Point;
   struct Part {
     Point from{};
     tmcl::plan::path_file::Element element;
@@ -32,10 +37,10 @@ class DrawnPath {
   };
 
   void find_part(double time);
-  double from_part(const Part& part, const tmcl::plan::AxisValues& position) const;
-  double from_line(const Part& part, const Point& target, const Point& position) const;
-  double from_arc(const Part& part, const tmcl::plan::path_file::ArcTo& arc,
-                  const Point& position) const;
+  Nearest on_part(const Part& part, const Point& position) const;
+  Nearest on_line(const Part& part, const Point& target, const Point& position) const;
+  Nearest on_arc(const Part& part, const tmcl::plan::path_file::ArcTo& arc,
+                 const Point& position) const;
 
   const tmcl::plan::Course& course_;
   std::size_t axes_;

@@ -107,7 +107,8 @@ void add_seen(const Passage& passage, const char* whose, std::size_t second, plo
   plane.enlarged_name = "ten times off";
   plane.marked = {passage.off_path_at.at(0), passage.off_path_at.at(second),
                   fmt::format("{}{} off the path, at {} s, {}", whose, figure(passage.off_path, 3),
-                              figure(passage.off_path_at_s, 4), verdict_on(passage))};
+                              figure(passage.off_path_at_s, 4),
+                              tolerance_verdict(passage.tolerance_exceeded_by))};
 }
 
 /// By the motors where there are encoders.
@@ -117,6 +118,26 @@ void add(const api::path::Passage& passage, std::size_t second, plot::Plane& pla
   } else {
     add_seen(passage, "", second, plane);
   }
+}
+
+/// Where the plan itself leaves what the file draws: chords of arcs, and corners that are shaped.
+void add_plan(const Drawn& drawn, const Curve& curve, std::size_t second, plot::Plane& plane) {
+  const auto farthest = std::ranges::max_element(drawn.nearest, {}, &DrawnPath::Nearest::distance);
+  if (farthest == drawn.nearest.end() || farthest->distance < DrawnPath::rounding) return;
+  const auto away = [&](std::size_t i, std::size_t axis) {
+    return std::lerp(drawn.nearest[i].point[axis], curve.positions[i].at(axis), enlarged);
+  };
+  for (std::size_t i = 0; i < drawn.nearest.size(); ++i) {
+    plane.enlarged.x.push_back(away(i, 0));
+    plane.enlarged.y.push_back(away(i, second));
+  }
+  plane.enlarged_name = "ten times off";
+  const auto at = static_cast<std::size_t>(farthest - drawn.nearest.begin());
+  std::optional<double> exceeded_by;
+  if (farthest->distance > drawn.tolerance) exceeded_by = farthest->distance - drawn.tolerance;
+  plane.marked = {curve.positions[at].at(0), curve.positions[at].at(second),
+                  fmt::format("{} off the drawn line, at {} s, {}", figure(farthest->distance, 3),
+                              figure(curve.times_s[at], 4), tolerance_verdict(exceeded_by))};
 }
 
 /// What a gateway says of a text that it cannot take, in the subject of an error.
@@ -195,7 +216,10 @@ std::string to_svg(const std::string& file, const Course& course, const Curve& c
     plane.planned.x.push_back(position.at(0));
     plane.planned.y.push_back(position.at(second));
   }
-  if (drawn.passage) add(*drawn.passage, second, plane);
+  if (drawn.passage)
+    add(*drawn.passage, second, plane);
+  else
+    add_plan(drawn, curve, second, plane);
   if (!drawn.shown.empty()) return plot::to_svg(plane, picture_of(course, curve, drawn));
   auto picture = picture_of(course, curve, {{plot::Quantity::position}, {}});
   picture.marks.clear();

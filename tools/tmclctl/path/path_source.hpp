@@ -6,6 +6,7 @@
 #include "connection/staging.hpp"
 #include "output/errors.hpp"
 #include "output/screen.hpp"
+#include "path/drawn_path.hpp"
 #include "plot/curve.hpp"
 #include "plot/shown.hpp"
 #include "tmcl/api/path.hpp"
@@ -40,11 +41,10 @@ Report part_done(const Error& error) {
   return report;
 }
 
-/// "within the tolerance", or by how much not: of a Passage or a MotorPassage.
-template <class Passage>
-std::string verdict_on(const Passage& passage) {
-  if (!passage.tolerance_exceeded_by) return "within the tolerance";
-  return tmcl::plain_number(*passage.tolerance_exceeded_by, 3) + " more than the tolerance";
+/// "within the tolerance", or by how much not.
+inline std::string tolerance_verdict(std::optional<double> exceeded_by) {
+  if (!exceeded_by) return "within the tolerance";
+  return tmcl::plain_number(*exceeded_by, 3) + " more than the tolerance";
 }
 
 /// How long a path is and takes, where it goes.
@@ -57,6 +57,9 @@ struct Drawn {
   std::vector<plot::Mark> phases{};  ///< Of the legs; without them the slowest corners are marked.
   /// Of a path that was run: where its axes were seen, and where they were farthest off.
   std::optional<tmcl::api::path::Passage> passage{};
+  /// Of a path that was only planned: what the file draws, for each point of the curve.
+  std::vector<DrawnPath::Nearest> nearest{};
+  double tolerance = 0;  ///< Of the plan.
 };
 /// Draws the path, x over y, above its axes over time.
 std::string to_svg(const std::string& file, const tmcl::api::path::Course& course,

@@ -28,8 +28,8 @@ struct Plane {
   std::string y_name;
   Way planned;                          ///< Drawn as a line, a dashed one if something was seen.
   Way seen;                             ///< Drawn as dots; one that would hide another is left out.
-  std::optional<MarkedPlace> marked{};  ///< Of what was seen; drawn as a ring.
-  Way enlarged{};                       ///< What was seen, farther from what was planned; a line.
+  std::optional<MarkedPlace> marked{};  ///< Where it was farthest off; drawn as a ring.
+  Way enlarged{};                       ///< How far it was off, enlarged; a line.
   std::string enlarged_name{};          ///< "ten times off"
 };
 

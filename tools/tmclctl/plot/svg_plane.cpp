@@ -75,7 +75,7 @@ class Drawing {
   double height() const { return bottom() + below; }
   std::string body() const {
     return frame() + grid() + names() + dots() + line(plane_.enlarged, "difference") +
-           line(plane_.planned, is_compared() ? "planned" : "position") + ring() + legend();
+           line(plane_.planned, planned_kind()) + ring() + legend();
   }
 
  private:
@@ -130,6 +130,7 @@ class Drawing {
     return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n", kind, points);
   }
   bool is_compared() const { return !plane_.seen.x.empty(); }
+  const char* planned_kind() const { return is_compared() ? "planned" : "position"; }
 
   // Each is a line without length and with a round end.
   std::string dots() const {
@@ -169,7 +170,7 @@ class Drawing {
 
   /// At the right, above the widest frame.
   std::string legend() const {
-    if (!is_compared()) return "";
+    if (!is_compared() && plane_.enlarged.x.empty()) return "";
     std::string text;
     double x = plane_left + widest - 90;
     const auto name = [&](const std::string& what) {
@@ -184,7 +185,8 @@ class Drawing {
       name(what);
     };
     add(plane_.enlarged, "difference", plane_.enlarged_name);
-    add(plane_.planned, "planned", "planned");
+    add(plane_.planned, planned_kind(), "planned");
+    if (!is_compared()) return text;
     text += dotted(fmt::format("M{0} {1}h0M{2} {1}h0M{3} {1}h0", x + 6, top - 14, x + 15, x + 24));
     name("seen");
     return text;

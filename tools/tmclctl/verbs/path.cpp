@@ -76,6 +76,17 @@ plan::path_file::Path drawn_path(const std::string& text, const plan::PathSource
   return plan::path_file::read_gcode(text, {}, setup).value_or(source.path);
 }
 
+std::vector<path::DrawnPath::Nearest> nearest_of(path::DrawnPath drawn,
+                                                 const tmcl::api::path::Curve& curve) {
+  std::vector<path::DrawnPath::Nearest> nearest;
+  for (std::size_t i = 0; i < curve.positions.size(); ++i) {
+    path::DrawnPath::Point point{};
+    std::ranges::copy(curve.positions[i], point.begin());
+    nearest.push_back(drawn.nearest(curve.times_s[i], point));
+  }
+  return nearest;
+}
+
 Result<void> write_rows(const verb::CheckPath& verb, const plan::Course& course,
                         const plan::path_file::Path& drawn, Output& output) {
   const auto rows =
@@ -120,6 +131,9 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   path::Drawn drawing{verb.show, {}};
   if (!shaping) drawing.phases = path::phases_of(*planned);
   if (!verb.svg.empty()) {
+    drawing.tolerance = verb.tolerance;
+    drawing.nearest =
+        nearest_of(path::DrawnPath(drawn_path(*text, *source, setup), *planned), curve);
     OutputFile svg;
     const auto drawn = svg.open(verb.svg).and_then(
         [&] { return svg.write(path::to_svg(verb.file, course, curve, drawing)); });
@@ -186,6 +200,8 @@ without them the path may be another one than the program means. M3 to M9 are wa
 section [path] of tmcld's configuration says what they switch; --machine names that file, and what is
 switched is listed then. M0 waits: how often is said.
 
+--svg draws the path, and as a line how far it is from the lines and arcs of the file, ten times as far,
+where it is not on them: chords instead of arcs, cubics, corners that --shape cuts.
 --show draws the axes over time, on the screen or below the path in --svg, with T1 to T4 of each leg or,
 where there are more than four, with the slowest corners.
 --legs says for each leg when it begins (T1), has its speed (T2), slows down (T3) and ends (T4), and the

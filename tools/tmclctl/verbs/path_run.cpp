@@ -164,7 +164,8 @@ void print_seen(const Passage& passage, const char* what, const char* who, Outpu
   table.print(output);
   output.out << fmt::format(
       "{}seen at most {:.4f} off the path, at {:.3f} s, {}, and {:.1f} ms late on it\n", who,
-      passage.off_path, passage.off_path_at_s, path::verdict_on(passage), 1e3 * passage.lag_s);
+      passage.off_path, passage.off_path_at_s,
+      path::tolerance_verdict(passage.tolerance_exceeded_by), 1e3 * passage.lag_s);
 }
 
 void print(const api::path::Passed& report, StreamMode mode, Output& output) {
