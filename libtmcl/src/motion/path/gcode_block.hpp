@@ -32,6 +32,11 @@ inline tl::unexpected<Wrong> wrong(std::size_t column, std::string message) {
   return tl::unexpected(Wrong{column, std::move(message)});
 }
 
+/// X, Y and Z, which are lengths; A, B and C are angles.
+constexpr std::size_t linear_axes = 3;
+constexpr std::string_view centre_letters = "IJK";
+constexpr std::string_view arc_letters = "IJKR";
+
 /// A letter and its number.
 struct Word {
   double value = 0;
