@@ -52,7 +52,7 @@ Joints::Joints(Choices choices) : choices_(std::move(choices)) {
   for (const auto& axis : choices_.axes) joints_.push_back({.axis = axis});
 }
 
-Said<void> Joints::open() {
+tl::expected<void, std::string> Joints::open() {
   const std::scoped_lock calls(calls_);
   client::Options options{
       .wait_for_socket = {}, .hello_timeout = longest_call, .call_timeout = longest_call};
@@ -72,7 +72,8 @@ Said<void> Joints::open() {
   return {};
 }
 
-Said<void> Joints::look(Joint& joint, std::optional<std::uint16_t> may_be_old_ms) {
+tl::expected<void, std::string> Joints::look(Joint& joint,
+                                             std::optional<std::uint16_t> may_be_old_ms) {
   const auto asked = clock_.now();
   const auto state =
       caller_->call(api::axis::GetState{.axis = joint.axis, .max_age_ms = may_be_old_ms});
@@ -92,7 +93,7 @@ Said<void> Joints::look(Joint& joint, std::optional<std::uint16_t> may_be_old_ms
   return {};
 }
 
-Said<std::vector<double>> Joints::stand() {
+tl::expected<std::vector<double>, std::string> Joints::stand() {
   std::vector<double> places;
   for (auto& joint : joints_) {
     if (auto seen = look(joint, {}); !seen) return tl::unexpected(seen.error());
@@ -103,7 +104,7 @@ Said<std::vector<double>> Joints::stand() {
   return places;
 }
 
-Said<std::vector<double>> Joints::take() {
+tl::expected<std::vector<double>, std::string> Joints::take() {
   const std::scoped_lock calls(calls_);
   // First: what has a lease is stopped with that.
   if (auto before = stand(); !before) return before;
@@ -117,7 +118,7 @@ Said<std::vector<double>> Joints::take() {
   return stand();
 }
 
-Said<void> Joints::give() {
+tl::expected<void, std::string> Joints::give() {
   const std::scoped_lock calls(calls_);
   if (!lease_) return {};
   api::lease::Release release{};
@@ -126,7 +127,7 @@ Said<void> Joints::give() {
   return {};
 }
 
-Said<std::vector<Reading>> Joints::read() {
+tl::expected<std::vector<Reading>, std::string> Joints::read() {
   const auto now = clock_.now();
   const std::scoped_lock data(data_);
   if (!failure_.empty()) return tl::unexpected(failure_);
@@ -140,7 +141,7 @@ Said<std::vector<Reading>> Joints::read() {
   return readings;
 }
 
-Said<void> Joints::command(std::span<const double> positions) {
+tl::expected<void, std::string> Joints::command(std::span<const double> positions) {
   const std::scoped_lock data(data_);
   asked_ = clock_.now();
   if (!failure_.empty()) return tl::unexpected(failure_);
@@ -149,7 +150,7 @@ Said<void> Joints::command(std::span<const double> positions) {
   return {};
 }
 
-Said<void> Joints::send(Joint& joint) {
+tl::expected<void, std::string> Joints::send(Joint& joint) {
   {
     const std::scoped_lock data(data_);
     // The command of a loop that hung is an old one.
@@ -166,7 +167,7 @@ Said<void> Joints::send(Joint& joint) {
   return {};
 }
 
-Said<void> Joints::keep_lease() {
+tl::expected<void, std::string> Joints::keep_lease() {
   const auto now = clock_.now();
   if (!lease_ || now - renewed_ < renewal || now - asked_.load() > silence) return {};
   api::lease::Renew renew{};
@@ -178,7 +179,7 @@ Said<void> Joints::keep_lease() {
 }
 
 /// A stop by another client is seen before the next command goes out.
-Said<void> Joints::turn() {
+tl::expected<void, std::string> Joints::turn() {
   const std::scoped_lock calls(calls_);
   auto done = keep_lease();
   for (auto joint = joints_.begin(); done && joint != joints_.end(); ++joint)

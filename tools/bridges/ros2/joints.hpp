@@ -19,10 +19,6 @@
 
 namespace tmcl::ros2 {
 
-/// The error is a sentence.
-template <class T>
-using Said = tl::expected<T, std::string>;
-
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Choices {
@@ -41,22 +37,23 @@ struct Reading {
 /// Follows axes on a thread of its own, and moves them under one lease. Nothing moves at open() and
 /// take(). After its first failure, the error of read() and command(), it does nothing any more:
 /// destroyed, it has tmcld stop what it has moved, and another one is opened.
+/// An error is a sentence.
 /// Thread safety: one call at a time, from any thread.
 class Joints {
  public:
   explicit Joints(Choices choices);
   /// Connects, and looks at each axis.
-  Said<void> open();
+  tl::expected<void, std::string> open();
   /// Takes the lease. The axes have to stand: where they do is what is commanded from now on.
-  Said<std::vector<double>> take();
+  tl::expected<std::vector<double>, std::string> take();
   /// Stops the axes and gives the lease back.
-  Said<void> give();
+  tl::expected<void, std::string> give();
 
   /// In the order of the axes. Does not wait for tmcld: an error where nothing new is known.
-  Said<std::vector<Reading>> read();
+  tl::expected<std::vector<Reading>, std::string> read();
   /// Where to go, in radians or metres; nan is no command. Does not wait for tmcld: the newest
   /// command counts, and a refusal is the error of the next call.
-  Said<void> command(std::span<const double> positions);
+  tl::expected<void, std::string> command(std::span<const double> positions);
 
  private:
   struct Joint {
@@ -70,11 +67,11 @@ class Joints {
     double wanted = unknown, sent = unknown;
   };
 
-  Said<void> look(Joint& joint, std::optional<std::uint16_t> may_be_old_ms);
-  Said<std::vector<double>> stand();
-  Said<void> send(Joint& joint);
-  Said<void> keep_lease();
-  Said<void> turn();
+  tl::expected<void, std::string> look(Joint& joint, std::optional<std::uint16_t> may_be_old_ms);
+  tl::expected<std::vector<double>, std::string> stand();
+  tl::expected<void, std::string> send(Joint& joint);
+  tl::expected<void, std::string> keep_lease();
+  tl::expected<void, std::string> turn();
   void follow(const std::stop_token& ending);
 
   const Choices choices_;

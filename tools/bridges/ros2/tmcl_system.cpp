@@ -9,6 +9,7 @@
 #include <hardware_interface/system_interface.hpp>
 #include <pluginlib/class_list_macros.hpp>
 #include <rclcpp/rclcpp.hpp>
+#include <tl/expected.hpp>
 
 #include "joints.hpp"
 
@@ -23,7 +24,7 @@ std::string text_in(const auto& parameters, const std::string& name, const std::
   return parameters.contains(name) ? parameters.at(name) : usual;
 }
 
-Said<Choices> choices_of(const hardware_interface::HardwareInfo& info) {
+tl::expected<Choices, std::string> choices_of(const hardware_interface::HardwareInfo& info) {
   Choices choices;
   choices.socket = text_in(info.hardware_parameters, "gateway", choices.socket);
   choices.lease_ttl_s = std::atof(text_in(info.hardware_parameters, "lease_ttl", "2").c_str());
