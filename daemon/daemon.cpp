@@ -65,15 +65,13 @@ std::string state_file(const DaemonConfig& config, std::string_view suffix) {
 tl::expected<LockFile, std::string> lock_state(const DaemonConfig& config) {
   const auto path = state_file(config, ".state.lock");
   auto lock = LockFile::take(path);
-  if (lock) return std::move(*lock);
-  const auto& failure = lock.error();
-  if (!failure.is_held) {
-    log(LogLevel::warning, "cannot lock the state files: cannot create " + path + ": " +
-                               failure.why + "; may this user write to that directory?");
+  if (!lock) {
+    log(LogLevel::warning, "cannot lock the state files: " + lock.error());
     return LockFile();
   }
-  const auto process =
-      failure.holder > 0 ? "process " + std::to_string(failure.holder) : "another process";
+  if (*lock) return std::move(**lock);
+  const auto holder = LockFile::holder(path);
+  const auto process = holder > 0 ? "process " + std::to_string(holder) : "another process";
   return tl::unexpected("the state files " + state_file(config, ".*") + " belong to " + process +
                         ", another daemon; end it first, or choose another 'state' or a 'socket' "
                         "of another name in [daemon]");

@@ -83,13 +83,11 @@ std::optional<std::string> clear_away(const std::string& path) {
 
 tl::expected<SocketFile, std::string> SocketFile::claim(const std::string& path) {
   if (auto problem = check_directory(path)) return tl::unexpected(std::move(*problem));
-  auto lock = LockFile::take(path + ".lock");
-  if (!lock && lock.error().is_held) return tl::unexpected(in_use(path, lock.error().holder));
-  if (!lock) {
-    return tl::unexpected("cannot create " + path + ".lock: " + lock.error().why +
-                          "; may this user write to that directory?");
-  }
-  SocketFile file(path, std::move(*lock));
+  const auto lock_path = path + ".lock";
+  auto lock = LockFile::take(lock_path);
+  if (!lock) return tl::unexpected(std::move(lock.error()));
+  if (!*lock) return tl::unexpected(in_use(path, LockFile::holder(lock_path)));
+  SocketFile file(path, std::move(**lock));
   if (auto problem = clear_away(path)) return tl::unexpected(std::move(*problem));
   auto problem = file.listen();
   if (!problem.empty()) return tl::unexpected(std::move(problem));

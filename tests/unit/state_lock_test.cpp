@@ -81,7 +81,8 @@ TEST_F(StateLock, EndsWithItsProcessHoweverThatIs) {
   }
   ::waitpid(child, nullptr, 0);
   ASSERT_TRUE(std::filesystem::exists(path));
-  EXPECT_TRUE(LockFile::take(path));
+  const auto lock = LockFile::take(path);
+  EXPECT_TRUE(lock && *lock);
 }
 
 TEST_F(StateLock, OfAFolderThatTakesNoFileKeepsNoDaemonFromStarting) {

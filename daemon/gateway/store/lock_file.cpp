@@ -25,12 +25,6 @@ bool is_same_file(int descriptor, const std::string& path) {
          here.st_ino == there.st_ino && here.st_dev == there.st_dev;
 }
 
-pid_t holder_of(int descriptor) {
-  std::array<char, 16> text{};
-  const auto size = ::pread(descriptor, text.data(), text.size() - 1, 0);
-  return size > 0 ? static_cast<pid_t>(std::strtol(text.data(), nullptr, 10)) : 0;
-}
-
 /// For people: the lock does not need it.
 void write_holder(int descriptor) {
   const auto text = std::to_string(::getpid()) + "\n";
@@ -40,16 +34,18 @@ void write_holder(int descriptor) {
 
 }  // namespace
 
-tl::expected<LockFile, LockFile::Failure> LockFile::take(std::string path) {
+tl::expected<std::optional<LockFile>, std::string> LockFile::take(const std::string& path) {
   for (int i = 0; i < lock_tries; ++i) {
     const int descriptor =
         ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, access_to_lock);
-    if (descriptor < 0) return tl::unexpected(Failure{false, 0, std::strerror(errno)});
+    if (descriptor < 0) {
+      return tl::unexpected("cannot create " + path + ": " + std::strerror(errno) +
+                            "; may this user write to that directory?");
+    }
     LockFile file(path, descriptor);
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       file.path_.clear();
-      const auto holder = holder_of(descriptor);
-      return tl::unexpected(Failure{true, holder, {}});
+      return std::nullopt;
     }
     // The one who held it may have removed the file meanwhile; then the lock means nothing.
     if (is_same_file(descriptor, path)) {
@@ -58,7 +54,15 @@ tl::expected<LockFile, LockFile::Failure> LockFile::take(std::string path) {
     }
     file.path_.clear();
   }
-  return tl::unexpected(Failure{true, 0, {}});
+  return std::nullopt;
+}
+
+pid_t LockFile::holder(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  std::array<char, 16> text{};
+  const auto size = ::pread(descriptor, text.data(), text.size() - 1, 0);
+  if (descriptor >= 0) ::close(descriptor);
+  return size > 0 ? static_cast<pid_t>(std::strtol(text.data(), nullptr, 10)) : 0;
 }
 
 LockFile::LockFile(LockFile&& other) noexcept

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <sys/types.h>
+
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <tl/expected.hpp>
 
@@ -11,13 +14,10 @@ namespace tmcld {
 /// Move-only. Of whichever path the file is reached by: the lock is on the file, not on its name.
 class LockFile {
  public:
-  struct Failure {
-    bool is_held = false;  ///< By another process; otherwise the file cannot be made or opened.
-    pid_t holder = 0;      ///< 0 if that is not known.
-    std::string why{};     ///< In words, where it is not held.
-  };
-
-  static tl::expected<LockFile, Failure> take(std::string path);
+  /// Nothing while another process has it. The error, in words: the file cannot be made or opened.
+  static tl::expected<std::optional<LockFile>, std::string> take(const std::string& path);
+  /// The process that has it, or had it last; 0 if that is not known.
+  static pid_t holder(const std::string& path);
 
   LockFile() = default;
   LockFile(LockFile&& other) noexcept;
