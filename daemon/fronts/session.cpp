@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,7 +10,6 @@
 #include "api/dispatch.hpp"
 #include "async/spawn.hpp"
 #include "log/log.hpp"
-#include "tmcl/api/lease.hpp"
 #include "tmcl/virtual_time.hpp"
 
 namespace tmcld {
@@ -62,13 +60,9 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       share_(std::move(options.share)),
       serves_(options.serves),
       on_closed_(std::move(options.on_closed)),
-      caller_(std::move(options.caller)),
-      role_(caller_().role),
-      exceeds_limits_(caller_().exceeds_limits),
+      rights_(std::move(options.caller)),
       client_(gateway_->add_client(std::move(options.name))),
-      door_(std::move(options.door)),
-      address_(std::move(options.address)),
-      token_(std::move(options.token)),
+      came_{std::move(options.door), std::move(options.address), std::move(options.token)},
       output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }),
       entry_(ClientList::enter(gateway_->clients(), client_.number, gateway_->clock().now(),
@@ -76,13 +70,13 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
 
 ConnectedClient Session::look() const {
   const auto who = caller();
-  ConnectedClient now{door_, address_, token_};
+  auto now = came_;
   // Who comes from the network is no process of this computer, as far as is known.
   const bool is_process = who.credentials.pid != 0;
   if (is_process) now.uid = who.credentials.uid;
   if (is_process) now.pid = who.credentials.pid;
   now.role = serves_ == Serves::stops ? Role::stop : who.role;
-  now.requests = std::accumulate(in_flight_.begin(), in_flight_.end(), std::size_t{0});
+  now.requests = requests_.count();
   return now;
 }
 
@@ -100,7 +94,7 @@ void Session::close() {
   if (std::exchange(closed_, true)) return;
   entry_.leave();
   notifications_.end();
-  waiting_.clear();
+  requests_.forget_waiting();
   std::exception_ptr failure;
   try {
     gateway_->remove_client(client_.number);
@@ -115,37 +109,19 @@ void Session::close() {
   if (failure) std::rethrow_exception(failure);
 }
 
-bool Session::has_calls_in_flight() const {
-  return std::ranges::any_of(in_flight_, [](std::size_t count) { return count > 0; });
-}
-
 std::optional<Error> Session::speak_for(RelayedUser user) {
-  if (relayed_user_) {
-    return not_now("not_permitted",
-                   "this connection speaks for user '" + relayed_user_->name + "' already",
-                   "a connection of its own for each user");
-  }
-  if (auto objection = objection_to_relaying(caller_(), user)) return objection;
+  if (auto objection = rights_.speak_for(user)) return objection;
   client_ = gateway_->rename_client(client_.number, user.name + " through " + client_.name);
-  relayed_user_ = std::move(user);
-  const auto now = caller();
-  role_ = now.role;
-  exceeds_limits_ = now.exceeds_limits;
   return std::nullopt;
 }
 
 bool Session::has_lost_rights() {
-  const auto now = caller();
-  const bool is_less = now.role < role_ || (exceeds_limits_ && !now.exceeds_limits);
-  role_ = now.role;
-  exceeds_limits_ = now.exceeds_limits;
-  if (is_less) {
-    gateway_->log(LogLevel::warning,
-                  fmt::format("{} has the role '{}' by the new configuration, which is less than "
-                              "before: its connection is closed",
-                              client_.name, name_of(now.role)));
-  }
-  return is_less;
+  if (!rights_.have_shrunk()) return false;
+  gateway_->log(LogLevel::warning,
+                fmt::format("{} has the role '{}' by the new configuration, which is less than "
+                            "before: its connection is closed",
+                            client_.name, name_of(caller().role)));
+  return true;
 }
 
 bool Session::holds_axes() const { return gateway_->is_holding(client_.number); }
@@ -187,29 +163,14 @@ void Session::take_message(std::optional<std::string_view> message) {
   answer(id, tl::unexpected(std::move(request.error())));
 }
 
-Session::Lane Session::lane_of(const MethodInfo& method) {
-  using tmcl::api::lease::Release;
-  using tmcl::api::lease::Renew;
-  if (method.name == Renew::method.name || method.name == Release::method.name) return Lane::leases;
-  return method.effect == tmcl::Effect::stops ? Lane::stops : Lane::calls;
-}
-
 void Session::begin(RpcRequest request) {
-  const bool stops = request.method->effect == tmcl::Effect::stops;
-  if (serves_ == Serves::stops && !stops)
+  const auto& method = *request.method;
+  if (serves_ == Serves::stops && method.effect != tmcl::Effect::stops)
     return answer(request.id, tl::unexpected(no_place_for_client()));
-  auto& in_progress = in_flight(lane_of(*request.method));
-  if (in_progress >= max_requests_in_flight) {
-    return answer(request.id, tl::unexpected(too_many_requests()));
-  }
-  ++in_progress;
-  if (must_wait(request)) return waiting_.push_back(std::move(request));
+  if (!requests_.begin(method)) return answer(request.id, tl::unexpected(too_many_requests()));
+  if (requests_.must_wait(method, outbox_.answer_bytes()))
+    return requests_.wait(std::move(request));
   start_serving(std::move(request));
-}
-
-bool Session::must_wait(const RpcRequest& request) const {
-  if (request.method->effect != tmcl::Effect::reads) return false;
-  return !waiting_.empty() || outbox_.answer_bytes() > reads_wait_at_unsent_bytes;
 }
 
 void Session::start_serving(RpcRequest request) {
@@ -222,26 +183,21 @@ void Session::start_serving(RpcRequest request) {
 }
 
 void Session::start_waiting() {
-  while (!waiting_.empty() && outbox_.answer_bytes() <= reads_wait_at_unsent_bytes) {
-    auto request = std::move(waiting_.front());
-    waiting_.pop_front();
-    start_serving(std::move(request));
-  }
+  while (auto request = requests_.next(outbox_.answer_bytes())) start_serving(std::move(*request));
 }
 
 awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request) {
+  const auto& method = *request.method;
   const auto text =
-      is_logged(LogLevel::debug) ? words_of(request.method->name, request.params) : std::string();
+      is_logged(LogLevel::debug) ? words_of(method.name, request.params) : std::string();
   const auto id = request.id;
-  const auto effect = request.method->effect;
-  const auto lane = lane_of(*request.method);
   const auto came = self->gateway_->clock().now();
   auto result = co_await dispatch(self->gateway_, self, std::move(request));
-  if (effect == tmcl::Effect::stops)
+  if (method.effect == tmcl::Effect::stops)
     self->share_->stop_latency.note(self->gateway_->clock().now() - came);
   if (!text.empty()) self->log_call(text, result, self->gateway_->clock().now() - came);
-  --self->in_flight(lane);
-  self->answer(id, result, effect);
+  self->requests_.end(method);
+  self->answer(id, result, method.effect);
 }
 
 void Session::log_call(const std::string& text, const Result<boost::json::object>& result,

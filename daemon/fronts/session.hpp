@@ -2,9 +2,7 @@
 /// gives what they come to. A front derives its connection, which carries messages as it does.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <deque>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -22,19 +20,14 @@
 #include "api/request.hpp"
 #include "api/token_keeper.hpp"
 #include "async/wake.hpp"
+#include "fronts/client_rights.hpp"
 #include "fronts/front_share.hpp"
 #include "fronts/outbox.hpp"
+#include "fronts/request_lanes.hpp"
 #include "gateway/authority/client_list.hpp"
 #include "gateway/gateway.hpp"
 
 namespace tmcld {
-
-/// How many requests of one client may be in progress. Stops have a number of their own, and so has
-/// what keeps or gives back a lease, so that no flood of other calls keeps one out.
-constexpr std::size_t max_requests_in_flight = 64;
-/// While more of answers waits to be written, requests that only read wait, too: their answers are
-/// the long ones, and no other client waits for them. What moves or stops something has its order.
-constexpr std::size_t reads_wait_at_unsent_bytes = 128U * 1024U;
 
 /// Between two checks that a client which sends nothing is still connected.
 constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
@@ -68,7 +61,7 @@ class Session : public Peer,
   void finish();
   void close();
   bool is_closed() const { return closed_; }
-  bool has_calls_in_flight() const;
+  bool has_calls_in_flight() const { return !requests_.are_empty(); }
   /// Something of what a front has taken may wait there.
   virtual bool has_output() const { return !outbox_.empty() || notifications_.has_pending(); }
   /// Whether its client may do less than when this was asked last; the log is told. Its connection
@@ -81,9 +74,7 @@ class Session : public Peer,
   bool is_gone() const override { return closed_; }
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
   Client client() const override { return client_; }
-  Caller caller() const override {
-    return relayed_user_ ? caller_for(*relayed_user_, caller_()) : caller_();
-  }
+  Caller caller() const override { return rights_.caller(); }
   std::optional<Error> speak_for(RelayedUser user) override;
   const std::shared_ptr<Tokens>& tokens() const override { return share_->tokens; }
   const std::vector<std::string>& page_addresses() const override { return share_->page_addresses; }
@@ -101,7 +92,7 @@ class Session : public Peer,
   void wake_output() { output_.notify(); }
   Wake& output() { return output_; }
   bool is_finishing() const { return finishing_; }
-  bool has_waiting_requests() const { return !waiting_.empty(); }
+  bool has_waiting_requests() const { return requests_.has_waiting(); }
   /// Memory is missing, or there is a bug: costs this client its connection, and other clients
   /// anything.
   void fail(const std::exception_ptr& failure);
@@ -113,11 +104,6 @@ class Session : public Peer,
   virtual void disconnect() = 0;
 
  private:
-  /// Requests that do not keep each other out.
-  enum class Lane : std::uint8_t { calls, stops, leases };
-  static Lane lane_of(const MethodInfo& method);
-  std::size_t& in_flight(Lane lane) { return in_flight_[static_cast<std::size_t>(lane)]; }
-
   static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
 
   ConnectedClient look() const;
@@ -125,7 +111,6 @@ class Session : public Peer,
   void log_call(const std::string& text, const Result<boost::json::object>& result,
                 tmcl::Duration took);
   void begin(RpcRequest request);
-  bool must_wait(const RpcRequest& request) const;
   void start_serving(RpcRequest request);
   void start_waiting();
   void answer(const boost::json::value& id, const Result<boost::json::object>& result,
@@ -136,19 +121,13 @@ class Session : public Peer,
   std::shared_ptr<FrontShare> share_;
   Serves serves_;
   std::function<void()> on_closed_;
-  std::function<Caller()> caller_;
-  Role role_;  ///< As it was when has_lost_rights() was asked last,
-  bool exceeds_limits_;
+  ClientRights rights_;
   Client client_;
-  std::optional<RelayedUser> relayed_user_;
-  std::string door_;
-  std::string address_;
-  std::string token_;
+  ConnectedClient came_;  ///< Its door, address and token.
   Outbox outbox_;
   Wake output_;
   Notifications notifications_;
-  std::deque<RpcRequest> waiting_;          ///< In progress as far as clients are concerned.
-  std::array<std::size_t, 3> in_flight_{};  ///< By lane.
+  RequestLanes requests_;
   bool finishing_ = false;
   bool closed_ = false;
   ClientList::Entry entry_;
