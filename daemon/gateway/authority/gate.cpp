@@ -6,6 +6,8 @@
 
 #include "async/spawn.hpp"
 #include "gateway/authority/axis_limits.hpp"
+#include "gateway/authority/charge.hpp"
+#include "gateway/authority/in_flight.hpp"
 #include "gateway/axis/stop_cause.hpp"
 #include "gateway/bus.hpp"
 
@@ -52,62 +54,6 @@ void say_that_it_is_owed(tmcl::Error& error) {
   if (error.hint.starts_with(owed_stop_hint)) return;
   error.hint = std::string(owed_stop_hint) + (error.hint.empty() ? "" : "; ") + error.hint;
 }
-
-/// The call that sends a request may end at any time: it is on its way for as long as this lives.
-class MoveInFlight {
- public:
-  MoveInFlight(Motors& motors, GatewayModule* module, const tmcl::Request& request, Permit of)
-      : motors_(motors), module_(module), request_(request) {
-    motors_.begin(request_, of);
-    if (module_ != nullptr) module_->note_sending(request_);
-  }
-  MoveInFlight(const MoveInFlight&) = delete;
-  MoveInFlight& operator=(const MoveInFlight&) = delete;
-  ~MoveInFlight() {
-    motors_.end(request_);
-    if (module_ != nullptr) note_broken_off();
-  }
-  void note(const tmcl::Result<tmcl::Answer>& answer) {
-    if (auto* module = std::exchange(module_, nullptr))
-      module->note_moved(request_, answer.has_value());
-  }
-
- private:
-  /// Without memory for that a restart of its module is not noticed.
-  void note_broken_off() noexcept {
-    try {
-      module_->note_moved(request_, false);
-    } catch (...) {  // what ends like this ends for want of memory
-    }
-  }
-
-  Motors& motors_;
-  GatewayModule* module_;  ///< Null if none is watched, and when it has been told.
-  tmcl::Request request_;
-};
-
-/// Keeps a stop that does not get an answer while this lives.
-class StopOnItsWay {
- public:
-  using Owe = std::function<void()>;
-  explicit StopOnItsWay(Owe owe) : owe_(std::move(owe)) {}
-  StopOnItsWay(const StopOnItsWay&) = delete;
-  StopOnItsWay& operator=(const StopOnItsWay&) = delete;
-  ~StopOnItsWay() {
-    if (owe_) owe_();
-  }
-  /// Whether the module got it, or will not take it.
-  void note(const tmcl::Result<tmcl::Answer>& answer) {
-    const auto code = answer ? std::optional<tmcl::Errc>() : answer.error().code;
-    const bool is_unreachable = code == tmcl::Errc::link_lost ||
-                                code == tmcl::Errc::reply_timeout ||
-                                code == tmcl::Errc::module_silent;
-    if (!is_unreachable) owe_ = {};
-  }
-
- private:
-  Owe owe_;
-};
 
 // An upload of firmware was judged when it began: a module must not be left in its bootloader. What
 // a line of a program does it does when the program runs.
@@ -382,53 +328,6 @@ tmcl::Script<tmcl::StepResult> Gate::exchange_all(std::vector<tmcl::step::Exchan
   }
   co_return results;
 }
-
-namespace {
-
-/// Who is asked for, and until when.
-struct Charge {
-  Permit permit;
-  const bool& has_acted;  ///< Of the verb: it is carried out to its end then.
-  std::shared_ptr<const Arrivals> arrivals;
-
-  /// The arrivals outlive the exchange.
-  void put_on(tmcl::step::Exchange& exchange) const {
-    auto& options = exchange.options;
-    options.asker = permit.client;
-    const auto effect = effect_of(exchange.request.command, exchange.request.type);
-    const bool ends_with_client =
-        permit.only_asks && !has_acted && effect == tmcl::Effect::reads && !options.hold;
-    if (!ends_with_client || options.objection) return;
-    options.objection = [all = arrivals.get(), client = permit.client] {
-      return all->waits(client) ? std::nullopt : std::optional(client_gone());
-    };
-  }
-};
-
-/// Charges the client with all that goes out for its verb: also with what is asked about others
-/// before a request is let out. What only asks ends when its client goes.
-tmcl::Script<tmcl::Result<void>> charged(tmcl::Script<tmcl::Result<void>> script, Charge charge) {
-  auto now = co_await tmcl::current_time();
-  auto step = script.start(now);
-  while (step) {
-    tmcl::StepResult results;
-    if (const auto* pause = std::get_if<tmcl::step::Pause>(&*step)) {
-      co_await tmcl::pause(pause->duration);
-    } else if (auto* one = std::get_if<tmcl::step::Exchange>(&*step)) {
-      charge.put_on(*one);
-      results.push_back(co_await tmcl::exchange(one->request, one->options));
-    } else {
-      auto& all = std::get<tmcl::step::ExchangeAll>(*step).exchanges;
-      for (auto& each : all) charge.put_on(each);
-      results = co_await tmcl::exchange_all(std::move(all));
-    }
-    now = co_await tmcl::current_time();
-    step = script.resume(std::move(results), now);
-  }
-  co_return script.take();
-}
-
-}  // namespace
 
 boost::asio::awaitable<Gate::Ended> Gate::run(tmcl::AnyScript& script, RunOptions options) {
   const auto bus = bus_.line();
