@@ -1,7 +1,6 @@
 #include "tmcl/verification.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 
 #include <fmt/format.h>
@@ -10,6 +9,8 @@
 #include "motion/twin/divisors.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/verbs.hpp"
+#include "verify/chip_trials.hpp"
+#include "verify/inquiry.hpp"
 #include "verify/watched_axis.hpp"
 
 namespace tmcl {
@@ -20,12 +21,9 @@ namespace ap = axis_parameter;
 namespace gp = global_parameter;
 using namespace std::chrono_literals;
 using plan::Experiment;
-using Pairs = plan::ChipCandidates::Pairs;
 
 /// What a divider is written to has four bits.
 constexpr std::int32_t beyond_divider = 16;
-constexpr auto chip_traits =
-    std::to_array<Trait>({Trait::last_step, Trait::factor_rule, Trait::order, Trait::accumulator});
 
 // For the relative move: some 40 microsteps a second, for a second and a half.
 constexpr Experiment stroll{168, 500, 1, {10, 7}, 1};
@@ -35,28 +33,13 @@ constexpr std::int32_t least_stroll = 10;
 constexpr int strolls = 3;
 constexpr Duration longest_stroll = 20s;
 
-/// Each that helps is made twice, if need be: readings come at other moments then.
-constexpr unsigned most_repetitions = 2;
-/// What only the order of the stages is seen by, seldom tells.
-constexpr unsigned most_of_order = 3;
-constexpr Duration grace = 2s;
 /// A late answer to another address has come by then.
 constexpr Duration stray_time = 200ms;
-
-std::string count(std::size_t number, std::string_view what) {
-  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
-}
-
-std::string text_of(const Experiment& experiment) {
-  return fmt::format("v_max={} a_max={} v_min={} pulse_div={} ramp_div={}", experiment.velocity,
-                     experiment.acceleration, experiment.minimum_velocity,
-                     experiment.dividers.pulse, experiment.dividers.ramp);
-}
 
 class Verifier {
  public:
   Verifier(AxisAddress axis, VerifyOptions options)
-      : axis_(axis), options_(std::move(options)), watched_(axis, options_.settings) {}
+      : axis_(axis), inquiry_(std::move(options)), watched_(axis, inquiry_.options().settings) {}
 
   Script<Result<Verification>> run();
 
@@ -74,54 +57,17 @@ class Verifier {
   Script<Result<std::int32_t>> leave_home();
   Script<Result<void>> give_target_while_it_turns();
   Script<Result<std::optional<VelocityTarget>>> watch_turning_with_target();
-  Script<Result<void>> tell_chip_apart();
-  Script<std::optional<std::size_t>> choose(const plan::ChipCandidates& candidates,
-                                            Pairs pairs) const;
-  Script<Result<void>> level(plan::ChipCandidates& candidates);
-  Script<Result<void>> experiment(plan::ChipCandidates& candidates, Experiment experiment);
-  Script<Result<void>> way(plan::ChipCandidates& candidates, Experiment experiment,
-                           std::int32_t target);
 
-  const Model& model() const { return *options_.model; }
+  const VerifyOptions& options() const { return inquiry_.options(); }
+  const Model& model() const { return *options().model; }
   bool has_tmc429() const { return model().family == Family::tmc429; }
-  bool is_within(const Experiment& experiment) const;
-  bool may_be_as_fast_as(double pps) const {
-    return !options_.greatest_velocity || pps <= options_.greatest_velocity->value;
-  }
-  std::int64_t room() const { return sign_ > 0 ? above_ : below_; }
-  void tell(const std::string& what) const {
-    if (options_.tell) options_.tell(what);
-  }
-  void finding(Trait trait, std::vector<std::uint8_t> fits, std::string text);
-  template <class Variant>
-  void finding(Trait trait, std::optional<Variant> variant, std::string text) {
-    finding(trait, variant ? std::vector{index_of(*variant)} : std::vector<std::uint8_t>{},
-            std::move(text));
-  }
-  void not_measured(Trait trait, std::string why);
-  void conclude(const plan::ChipCandidates& candidates);
 
   AxisAddress axis_;
-  VerifyOptions options_;
+  Inquiry inquiry_;
   WatchedAxis watched_;
-  Verification found_;
-  std::int64_t above_ = 0;  ///< Room for movements.
-  std::int64_t below_ = 0;
-  std::int32_t sign_ = 1;
+  Room room_;
   bool runs_program_ = false;
-  std::int32_t offset_ = 0;  ///< From home, in the direction of the movements.
-  std::array<unsigned, 64> made_{};
 };
-
-void Verifier::finding(Trait trait, std::vector<std::uint8_t> fits, std::string text) {
-  const auto expected = options_.expected.variant(trait, model());
-  found_.traits.push_back({trait, expected, true, std::move(fits), std::move(text)});
-}
-
-void Verifier::not_measured(Trait trait, std::string why) {
-  const auto expected = options_.expected.variant(trait, model());
-  found_.traits.push_back({trait, expected, false, {}, std::move(why)});
-}
 
 // ---- questions --------------------------------------------------------------------------------
 
@@ -129,34 +75,34 @@ Script<Result<void>> Verifier::ask_version() {
   const Request request{axis_.module, Command::GET_FIRMWARE_VERSION,
                         static_cast<std::uint8_t>(VersionForm::binary), 0, 0};
   const auto value = co_await must(ask(request));
-  found_.version = version_from_value(value);
+  inquiry_.found().version = version_from_value(value);
   co_return Result<void>{};
 }
 
 // What answers is another module's reply, which the bus counts and drops.
 Script<Result<void>> Verifier::ask_another_address() {
-  if (!options_.free_address || !options_.strays) {
-    not_measured(Trait::addressing, "there is no address here that is certainly free");
+  if (!options().free_address || !options().strays) {
+    inquiry_.not_measured(Trait::addressing, "there is no address here that is certainly free");
     co_return Result<void>{};
   }
-  tell("asks another address");
-  const auto before = options_.strays();
-  CallOptions options;
-  options.attempts = 1;
-  const Request request{*options_.free_address, Command::GGP, gp::application_status, 0, 0};
-  const auto answer = co_await exchange(request, options);
+  inquiry_.tell("asks another address");
+  const auto before = options().strays();
+  CallOptions once;
+  once.attempts = 1;
+  const Request request{*options().free_address, Command::GGP, gp::application_status, 0, 0};
+  const auto answer = co_await exchange(request, once);
   co_await pause(stray_time);
-  const auto who = fmt::format("address {}", number(*options_.free_address));
+  const auto who = fmt::format("address {}", number(*options().free_address));
   if (answer || answer.error().outcome == Outcome::refused) {
-    not_measured(Trait::addressing, "another module has " + who);
+    inquiry_.not_measured(Trait::addressing, "another module has " + who);
   } else if (!is_silence(answer.error())) {
     co_return tl::unexpected(answer.error());
-  } else if (options_.strays() != before) {
-    finding(Trait::addressing, std::optional(Addressing::any),
-            "asked for " + who + ", it answered");
+  } else if (options().strays() != before) {
+    inquiry_.finding(Trait::addressing, std::optional(Addressing::any),
+                     "asked for " + who + ", it answered");
   } else {
-    finding(Trait::addressing, std::optional(Addressing::own),
-            "asked for " + who + ", it did not answer");
+    inquiry_.finding(Trait::addressing, std::optional(Addressing::own),
+                     "asked for " + who + ", it did not answer");
   }
   co_return Result<void>{};
 }
@@ -167,21 +113,22 @@ Script<Result<void>> Verifier::ask_program_state() {
   const auto state =
       co_await must(unless_refused(watched_.ask(Command::GGP, gp::application_status)));
   if (!state) {
-    not_measured(trait, "the module does not tell global parameter 128");
+    inquiry_.not_measured(trait, "the module does not tell global parameter 128");
     co_return Result<void>{};
   }
   runs_program_ = *state == 1;
   const auto said = co_await must(unless_refused(watched_.ask(Command::GET_APPLICATION_STATUS, 0)));
   if (!said) {
-    not_measured(trait, "the module does not know command 135");
+    inquiry_.not_measured(trait, "the module does not know command 135");
   } else if (*state == 0) {
-    not_measured(trait, "its program is stopped: the state is 0 wherever it stands");
+    inquiry_.not_measured(trait, "its program is stopped: the state is 0 wherever it stands");
   } else {
     std::optional<ProgramState> where;
     if (static_cast<std::uint32_t>(*said) >> high_byte == static_cast<std::uint32_t>(*state))
       where = ProgramState::high_byte;
     if (*said == *state) where = ProgramState::low_byte;
-    finding(trait, where, fmt::format("command 135 says {:#x} in state {}", *said, *state));
+    inquiry_.finding(trait, where,
+                     fmt::format("command 135 says {:#x} in state {}", *said, *state));
   }
   co_return Result<void>{};
 }
@@ -189,16 +136,16 @@ Script<Result<void>> Verifier::ask_program_state() {
 // A module that cuts a divider to four bits keeps what it has.
 Script<Result<void>> Verifier::set_beyond_range() {
   constexpr auto trait = Trait::range_check;
-  tell("sets a value out of range");
+  inquiry_.tell("sets a value out of range");
   const auto parameter = has_tmc429() ? plan::pulse_divisor : ap::max_velocity;
   const auto present = co_await must(watched_.get(parameter));
   const auto* row = find_parameter(axis_parameters(model()), parameter);
   const auto beyond = has_tmc429() ? std::int64_t{present} + beyond_divider
                                    : std::int64_t{row == nullptr ? INT32_MAX : row->maximum} + 1;
-  const bool is_limited = options_.greatest_velocity || options_.greatest_acceleration;
+  const bool is_limited = options().greatest_velocity || options().greatest_acceleration;
   if (is_limited || beyond > INT32_MAX) {
-    not_measured(trait, is_limited ? "the limits of the axis forbid to try"
-                                   : "there is no harmless value that is out of range");
+    inquiry_.not_measured(trait, is_limited ? "the limits of the axis forbid to try"
+                                            : "there is no harmless value that is out of range");
     co_return Result<void>{};
   }
   watched_.forget(parameter);
@@ -212,9 +159,10 @@ Script<Result<void>> Verifier::set_beyond_range() {
   std::optional<RangeCheck> check;
   if (!answer && kept == present) check = RangeCheck::manual;
   if (answer && kept == present && has_tmc429()) check = RangeCheck::wrap;
-  finding(trait, check,
-          answer ? fmt::format("it took {} for parameter {}, and has {}", value, parameter, kept)
-                 : fmt::format("it refused {} for parameter {}", value, parameter));
+  inquiry_.finding(
+      trait, check,
+      answer ? fmt::format("it took {} for parameter {}, and has {}", value, parameter, kept)
+             : fmt::format("it refused {} for parameter {}", value, parameter));
   co_return Result<void>{};
 }
 
@@ -243,7 +191,7 @@ Script<Result<std::int32_t>> Verifier::leave_home() {
     here = co_await must(watched_.get(ap::actual_position));
     const auto now = co_await current_time();
     if (now - begin > longest_stroll)
-      co_return tl::unexpected(watched_.interrupted(home + sign_ * least_stroll, here));
+      co_return tl::unexpected(watched_.interrupted(home + room_.sign * least_stroll, here));
   }
   co_return here;
 }
@@ -262,31 +210,32 @@ Script<Result<bool>> Verifier::move_relatively_once(std::int32_t target) {
   if (aim == target) from = RelativeFrom::target;
   const auto [least, most] = std::minmax(here, later);
   if (aim != target && aim >= least - 2 && aim <= most + 2) from = RelativeFrom::actual;
-  finding(Trait::relative_from, from,
-          fmt::format("0 from {} on the way to {} led to {}", here, target, aim));
+  inquiry_.finding(Trait::relative_from, from,
+                   fmt::format("0 from {} on the way to {} led to {}", here, target, aim));
   std::optional<RelativeAnswer> said;
   if (answer == 0) said = RelativeAnswer::distance;
   if (answer == aim) said = RelativeAnswer::target;
-  finding(Trait::relative_answer, said, fmt::format("0 led to {}; the answer was {}", aim, answer));
+  inquiry_.finding(Trait::relative_answer, said,
+                   fmt::format("0 led to {}; the answer was {}", aim, answer));
   co_return true;
 }
 
 Script<Result<void>> Verifier::move_relatively() {
   const auto not_done = [&](const std::string& why) {
-    not_measured(Trait::relative_from, why);
-    not_measured(Trait::relative_answer, why);
+    inquiry_.not_measured(Trait::relative_from, why);
+    inquiry_.not_measured(Trait::relative_answer, why);
   };
-  const auto distance = std::min<std::int64_t>(room(), stroll_distance);
+  const auto distance = std::min<std::int64_t>(room_.distance, stroll_distance);
   if (distance < least_stroll) {
     not_done(fmt::format("it needs a travel of {} microsteps", least_stroll));
-  } else if (!may_be_as_fast_as(stroll_pps)) {
+  } else if (!inquiry_.allows({stroll_pps})) {
     not_done(fmt::format("it needs {} microsteps a second", stroll_pps));
   } else {
-    tell("moves by a distance of 0 on its way");
+    inquiry_.tell("moves by a distance of 0 on its way");
     co_await must(set_slow());
     bool is_done = false;
     for (auto i = 0; i < strolls && !is_done; ++i) {
-      const auto by = sign_ * static_cast<std::int32_t>(distance - i);
+      const auto by = room_.sign * static_cast<std::int32_t>(distance - i);
       is_done = co_await must(move_relatively_once(watched_.home().value + by));
       co_await must(watched_.return_home());
     }
@@ -301,7 +250,7 @@ Script<Result<void>> Verifier::move_relatively() {
 Script<Result<std::optional<VelocityTarget>>> Verifier::watch_turning_with_target() {
   constexpr std::int64_t far_enough = 16;
   const auto home = watched_.home().value;
-  const auto gone = [&](std::int32_t here) { return sign_ * (std::int64_t{here} - home); };
+  const auto gone = [&](std::int32_t here) { return room_.sign * (std::int64_t{here} - home); };
   const auto first = gone(co_await must(leave_home()));
   co_await must(watched_.ask(Command::SAP, ap::target_position, home));
   const auto begin = co_await current_time();
@@ -317,129 +266,26 @@ Script<Result<std::optional<VelocityTarget>>> Verifier::watch_turning_with_targe
 
 Script<Result<void>> Verifier::give_target_while_it_turns() {
   constexpr auto trait = Trait::velocity_target;
-  if (room() < stroll_distance) {
-    not_measured(trait, fmt::format("it needs a travel of {} microsteps", stroll_distance));
+  if (room_.distance < stroll_distance) {
+    inquiry_.not_measured(trait,
+                          fmt::format("it needs a travel of {} microsteps", stroll_distance));
     co_return Result<void>{};
   }
-  if (!may_be_as_fast_as(stroll_pps)) {
-    not_measured(trait, fmt::format("it needs {} microsteps a second", stroll_pps));
+  if (!inquiry_.allows({stroll_pps})) {
+    inquiry_.not_measured(trait, fmt::format("it needs {} microsteps a second", stroll_pps));
     co_return Result<void>{};
   }
-  tell("turns slowly, and is given a target behind it");
+  inquiry_.tell("turns slowly, and is given a target behind it");
   const auto velocity = co_await must(set_slow());
-  co_await must(watched_.ask(sign_ > 0 ? Command::ROR : Command::ROL, 0, velocity));
+  co_await must(watched_.ask(room_.sign > 0 ? Command::ROR : Command::ROL, 0, velocity));
   const auto does = co_await must(watch_turning_with_target());
   co_await must(watched_.stop());
-  finding(trait, does,
-          !does                               ? "it neither turned on nor went there"
-          : *does == VelocityTarget::turns_on ? "it turned on, away from its new target"
-                                              : "it turned round, to its new target");
+  inquiry_.finding(trait, does,
+                   !does                               ? "it neither turned on nor went there"
+                   : *does == VelocityTarget::turns_on ? "it turned on, away from its new target"
+                                                       : "it turned round, to its new target");
   co_await must(watched_.return_home());
   co_return Result<void>{};
-}
-
-// ---- the chip ---------------------------------------------------------------------------------
-
-bool Verifier::is_within(const Experiment& experiment) const {
-  const auto& greatest = options_.greatest_acceleration;
-  return experiment.distance < room() && may_be_as_fast_as(experiment.pps().value) &&
-         (!greatest || experiment.pps2() <= *greatest);
-}
-
-/// What tells most apart in the time that it takes; nothing where nothing does. Others may want
-/// the computer meanwhile.
-Script<std::optional<std::size_t>> Verifier::choose(const plan::ChipCandidates& candidates,
-                                                    Pairs pairs_of) const {
-  std::optional<std::size_t> best;
-  double best_score = 0;
-  const auto all = plan::experiments();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (made_.at(i) >= most_repetitions || !is_within(all[i])) continue;
-    const auto pairs = candidates.pairs_apart(all[i], 2 * watched_.usual_exchange(), pairs_of);
-    co_await pause({});
-    if (pairs == 0) continue;
-    const std::chrono::duration<double> time = 1s + 2 * candidates.longest(all[i]);
-    const auto score = static_cast<double>(pairs) / time.count();
-    if (score > best_score) best = i;
-    best_score = std::max(score, best_score);
-  }
-  co_return best;
-}
-
-Script<Result<void>> Verifier::way(plan::ChipCandidates& candidates, Experiment experiment,
-                                   std::int32_t target) {
-  const auto limit = candidates.longest(experiment) + grace;
-  const auto move = co_await must(watched_.move_to(target, limit));
-  const auto foreseen = candidates.judge(experiment, move);
-  const auto& arrival = move.sightings.back().when;
-  auto last_before = move.told.received;
-  for (const auto& sighting : move.sightings) {
-    if (sighting.steps != std::abs(move.distance)) last_before = sighting.when.sent;
-  }
-  found_.moves.push_back({move.distance, text_of(experiment), foreseen,
-                          std::max(last_before - move.told.received, Duration{}),
-                          arrival.received - move.told.sent});
-  co_return Result<void>{};
-}
-
-Script<Result<void>> Verifier::level(plan::ChipCandidates& candidates) {
-  co_await must(watched_.set(plan::levelling()));
-  const auto next = 1 - offset_;
-  const auto target = watched_.home().value + sign_ * next;
-  co_await must(watched_.move_to(target, grace));
-  candidates.level(sign_ * (next - offset_));
-  offset_ = next;
-  co_return Result<void>{};
-}
-
-Script<Result<void>> Verifier::experiment(plan::ChipCandidates& candidates, Experiment experiment) {
-  co_await must(level(candidates));
-  co_await must(watched_.set(experiment));
-  const auto here = watched_.home().value + sign_ * offset_;
-  co_await must(way(candidates, experiment, here + sign_ * experiment.distance));
-  co_await must(way(candidates, experiment, here));
-  co_return Result<void>{};
-}
-
-Script<Result<void>> Verifier::tell_chip_apart() {
-  plan::ChipCandidates candidates(options_.expected);
-  unsigned of_order = 0;
-  while (candidates.size() > 1) {
-    auto best = co_await choose(candidates, Pairs::any);
-    if (!best && of_order++ < most_of_order)
-      best = co_await choose(candidates, Pairs::only_by_order);
-    if (!best) break;
-    ++made_.at(*best);
-    const auto& next = plan::experiments()[*best];
-    tell(fmt::format("moves by {} there and back: {} of the chip left",
-                     count(static_cast<std::size_t>(next.distance), "microstep"),
-                     count(candidates.size(), "variant")));
-    co_await must(experiment(candidates, next));
-  }
-  conclude(candidates);
-  co_await must(watched_.go_home());
-  co_return Result<void>{};
-}
-
-void Verifier::conclude(const plan::ChipCandidates& candidates) {
-  const auto moves = count(found_.moves.size(), "move");
-  const auto left_out = std::ranges::count_if(
-      plan::experiments(), [&](const auto& experiment) { return !is_within(experiment); });
-  for (const auto trait : chip_traits) {
-    auto fits = candidates.variants(trait);
-    if (found_.moves.empty()) {
-      not_measured(trait, left_out > 0 ? "no experiment fits into the travel and the limits"
-                                       : "the line is too slow to tell variants apart");
-      continue;
-    }
-    auto text = "as " + moves + " say";
-    if (fits.empty()) text = "no known variant moves like this";
-    if (fits.size() > 1) text = "these move alike, as far as this line shows";
-    if (fits.size() > 1 && left_out > 0)
-      text += fmt::format("; {} did not fit into the travel and the limits",
-                          count(static_cast<std::size_t>(left_out), "experiment"));
-    finding(trait, std::move(fits), std::move(text));
-  }
 }
 
 // ---- all of it --------------------------------------------------------------------------------
@@ -450,19 +296,22 @@ Script<Result<void>> Verifier::questions() {
   co_await must(ask_another_address());
   co_await must(ask_program_state());
   co_await must(set_beyond_range());
-  not_measured(Trait::limit_stop, "it needs a limit switch within the travel");
-  not_measured(Trait::heartbeat, "a test of the deadman tells");
+  inquiry_.not_measured(Trait::limit_stop, "it needs a limit switch within the travel");
+  inquiry_.not_measured(Trait::heartbeat, "a test of the deadman tells");
   co_return Result<void>{};
 }
 
 Script<Result<void>> Verifier::movements() {
   const auto home = std::int64_t{watched_.home().value};
-  above_ = options_.travel.greatest - home;
-  below_ = home - options_.travel.least;
-  sign_ = above_ >= below_ ? 1 : -1;
+  const auto above = options().travel.greatest - home;
+  const auto below = home - options().travel.least;
+  room_ = above >= below ? Room{above, 1} : Room{below, -1};
   co_await must(move_relatively());
   co_await must(give_target_while_it_turns());
-  if (has_tmc429()) co_await must(tell_chip_apart());
+  if (has_tmc429()) {
+    ChipTrials trials(inquiry_, watched_, room_);
+    co_await must(trials.run());
+  }
   co_return Result<void>{};
 }
 
@@ -472,7 +321,8 @@ Script<Result<void>> Verifier::course() {
     for (const auto& info : trait_table()) {
       const bool is_of_moves =
           info.trait <= Trait::velocity_target && concerns(info.trait, model());
-      if (is_of_moves) not_measured(info.trait, "a program runs in the module: end it first");
+      if (is_of_moves)
+        inquiry_.not_measured(info.trait, "a program runs in the module: end it first");
     }
   } else {
     co_await must(movements());
@@ -481,14 +331,15 @@ Script<Result<void>> Verifier::course() {
 }
 
 Script<Result<Verification>> Verifier::run() {
-  found_.model = options_.model;
+  inquiry_.found().model = options().model;
   auto done = co_await course();
   co_await must(watched_.end(std::move(done)));
   const auto quickest = watched_.quickest_exchange();
   // What comes sooner than its bytes can was on no wire.
-  found_.answer = quickest > options_.wire_time ? quickest - options_.wire_time : quickest;
-  std::ranges::sort(found_.traits, {}, &TraitFinding::trait);
-  co_return std::move(found_);
+  inquiry_.found().answer =
+      quickest > options().wire_time ? quickest - options().wire_time : quickest;
+  std::ranges::sort(inquiry_.found().traits, {}, &TraitFinding::trait);
+  co_return std::move(inquiry_.found());
 }
 
 }  // namespace
