@@ -14,9 +14,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "gateway/authority/gaps.hpp"
 #include "gateway/authority/judge.hpp"
 #include "support/build_paths.hpp"
+#include "support/judged_cells.hpp"
 #include "tmcl/address.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/datagram.hpp"
@@ -24,134 +24,21 @@
 namespace tmcld {
 namespace {
 
+using test::all_intents;
+using test::Caller;
+using test::caller_of;
+using test::callers;
+using test::Group;
+using test::is_possible;
+using test::kind_of;
+using test::KindOfCaller;
+using test::Known;
+using test::KnownState;
+using test::states;
 using tmcl::Command;
 using tmcl::Intent;
 using tmcl::Request;
-
-constexpr std::uint64_t this_call = 10;
-constexpr std::uint64_t this_client = 1;
-constexpr std::uint64_t other_call = 9;
-constexpr std::uint64_t other_client = 2;
-constexpr tmcl::TimePoint begin{std::chrono::hours(1)};
-
-/// A call and the motor that it is about.
-struct Case {
-  MotorState state{};
-  Permit permit{this_call, this_client};
-  tmcl::TimePoint now = begin;
-
-  Verdict verdict(const Intent& intent) const { return judge(state, intent, permit, now); }
-};
-
-using Makes = std::function<void(Case& it)>;
-
-struct Caller {
-  std::string_view name;
-  Makes makes;
-};
-
-void claim(Case& it, ClaimKind mover, std::uint64_t call) {
-  it.state.claimed_for = mover;
-  it.state.claimed_by = call;
-}
-
-const std::array<Caller, 5>& callers() {
-  static const std::array<Caller, 5> all{{
-      {"a client", [](Case&) {}},
-      {"the holder of the axis' lease", [](Case& it) { it.state.leased_to = this_client; }},
-      {"the call that leads the axis", [](Case& it) { claim(it, ClaimKind::path, this_call); }},
-      {"the call that searches",
-       [](Case& it) {
-         claim(it, ClaimKind::search, this_call);
-         it.state.searched_by = this_call;
-       }},
-      {"the gateway, for no call", [](Case& it) { it.permit = {}; }},
-  }};
-  return all;
-}
-
-/// States of one group exclude each other.
-struct State {
-  std::string_view name;
-  int group;
-  Makes makes;
-};
-
-enum Group : int { claims, leases, turnings, alone };
-
-const std::vector<State>& states() {
-  static const std::vector<State> all{
-      {"another call leads the axis on a path, in a Mint program or in a test", claims,
-       [](Case& it) { claim(it, ClaimKind::path, other_call); }},
-      {"a stop is not certain to have been obeyed", claims,
-       [](Case& it) { claim(it, ClaimKind::stop, other_call); }},
-      {"another call leads the axis on a line", claims,
-       [](Case& it) { claim(it, ClaimKind::line, other_call); }},
-      {"another call searches the reference", claims,
-       [](Case& it) { claim(it, ClaimKind::search, other_call); }},
-      {"the daemon ends", alone, [](Case& it) { it.state.is_ending = true; }},
-      {"a stop came in after the call", alone,
-       [](Case& it) { it.state.last_stop = this_call + 1; }},
-      {"the daemon stood still after the call came in", alone,
-       [](Case& it) { it.state.last_stale = this_call; }},
-      {"the daemon stands still", alone,
-       [](Case& it) {
-         it.state.turned_last = begin;
-         it.now = begin + Gaps::longest_gap + tmcl::Duration(1);
-       }},
-      {"the axis is latched", alone, [](Case& it) { it.state.is_latched = true; }},
-      {"the axis is leased to another client", leases,
-       [](Case& it) { it.state.leased_to = other_client; }},
-      {"a lease was lost after the call came in", alone,
-       [](Case& it) { it.state.last_loss = this_call; }},
-      {"the client has gone", alone, [](Case& it) { it.state.is_client_gone = true; }},
-      {"moves need a lease (`moves_need_lease`)", alone,
-       [](Case& it) {
-         it.state.is_axis = true;
-         it.permit.needs_lease = true;
-       }},
-      {"the axis needs a reference and has none", alone,
-       [](Case& it) { it.state.misses_reference = true; }},
-      {"the axis turns for another client", turnings,
-       [](Case& it) { it.state.turns_for = other_client; }},
-      {"the axis turns for this client", turnings,
-       [](Case& it) { it.state.turns_for = this_client; }},
-      {"a stop of the module is owed", alone, [](Case& it) { it.state.owes_stop = true; }},
-      {"a move to a coordinate goes out: what changes coordinates waits", alone,
-       [](Case& it) { it.state.has_held_coordinates = true; }},
-  };
-  return all;
-}
-
-/// Of a caller who has claimed the axis, or has its lease, no other has.
-bool is_possible(const Caller& caller, const State& state) {
-  Case it;
-  caller.makes(it);
-  const bool has_claim = it.state.claimed_for != ClaimKind::none;
-  const bool has_lease = it.state.leased_to != 0;
-  return !(has_claim && state.group == claims) && !(has_lease && state.group == leases);
-}
-
-std::vector<Intent> all_intents() {
-  std::set<std::array<int, 6>> seen;
-  std::vector<Intent> all;
-  for (int command = 0; command < 256; ++command) {
-    for (int type = 0; type < 256; ++type) {
-      for (const std::uint8_t motor : std::array<std::uint8_t, 3>{0, 0x83, 255}) {
-        for (const std::int32_t value : {0, 1}) {
-          const auto it = intent_of(Request{tmcl::ModuleAddress{1}, static_cast<Command>(command),
-                                            static_cast<std::uint8_t>(type), motor, value});
-          const bool is_new = seen.insert({static_cast<int>(it.effect), static_cast<int>(it.motion),
-                                           static_cast<int>(it.subject), static_cast<int>(it.sets),
-                                           it.is_unseen, it.changes_coordinates})
-                                  .second;
-          if (is_new) all.push_back(it);
-        }
-      }
-    }
-  }
-  return all;
-}
+using Case = test::JudgedCase;
 
 Intent of(Command command, std::uint8_t type, std::int32_t value = 1) {
   return intent_of(Request{tmcl::ModuleAddress{1}, command, type, 0, value});
@@ -161,7 +48,7 @@ const Intent a_move = of(Command::MVP, 0);
 const Intent a_setting = of(Command::SAP, 5);
 
 /// Calls `does` for each combination of states that a caller can meet, with the states in it.
-void for_each_combination(const Caller& caller,
+void for_each_combination(const KindOfCaller& caller,
                           const std::function<void(const Case&, const std::vector<int>&)>& does) {
   Case bare;
   caller.makes(bare);
@@ -171,7 +58,7 @@ void for_each_combination(const Caller& caller,
     if (next == states().size()) return does(it, in_it);
     const auto& state = states()[next];
     go_on(next + 1, it);
-    const bool excluded = state.group != alone && std::ranges::any_of(in_it, [&](int one) {
+    const bool excluded = state.group != Group::alone && std::ranges::any_of(in_it, [&](int one) {
                             return states()[static_cast<std::size_t>(one)].group == state.group;
                           });
     if (excluded || !is_possible(caller, state)) return;
@@ -184,7 +71,7 @@ void for_each_combination(const Caller& caller,
   go_on(0, bare);
 }
 
-Ruling ruling_of(const Caller& caller, const State& state, const Intent& intent) {
+Ruling ruling_of(const KindOfCaller& caller, const KnownState& state, const Intent& intent) {
   Case it;
   caller.makes(it);
   state.makes(it);
@@ -193,7 +80,7 @@ Ruling ruling_of(const Caller& caller, const State& state, const Intent& intent)
 
 /// The search of another call may have ended unseen, and have found the reference: the module is
 /// asked before that is missed.
-bool may_be_found(const Case& it, const State& state) {
+bool may_be_found(const Case& it, const KnownState& state) {
   Case only;
   state.makes(only);
   return only.state.misses_reference && it.state.claimed_for == ClaimKind::search &&
@@ -226,6 +113,79 @@ TEST(Judge, IsNeverWeakerThanAnyStateByItself) {
     });
   }
   EXPECT_GT(judged, 100'000U);
+}
+
+/// What docs/SAFETY.md says becomes of a command of which nothing else is known.
+Ruling ruling_by_document(Caller caller, Known known, const Intent& intent) {
+  const bool moves = intent.effect == tmcl::Effect::moves;
+  const bool leads = caller == Caller::leader;
+  const bool has_lease = caller == Caller::holder;
+  const bool has_call = caller != Caller::gateway;
+  const auto if_so = [](bool so, Ruling ruling) { return so ? ruling : Ruling::allow; };
+  if (intent.effect == tmcl::Effect::reads || is_stop(intent)) return Ruling::allow;
+  if (moves && !has_call) return Ruling::refuse;
+  switch (known) {
+    case Known::claimed:
+    case Known::stop_uncertain:
+    case Known::daemon_ends:
+    case Known::stopped_since:
+    case Known::stale:
+    case Known::stands_still: return if_so(moves, Ruling::refuse);
+    case Known::claimed_by_line:
+    case Known::claimed_by_search:
+    case Known::stop_owed: return if_so(moves, Ruling::ask);
+    case Known::latched: {
+      const bool restarts = intent.motion == tmcl::Motion::restarts;
+      return if_so(moves && !restarts && caller != Caller::searcher, Ruling::refuse);
+    }
+    case Known::leased_to_other:
+    case Known::lease_lost: return if_so(has_call && !leads, Ruling::refuse);
+    case Known::client_gone: return if_so(moves && !leads, Ruling::refuse);
+    case Known::needs_lease: return if_so(moves && !leads && !has_lease, Ruling::refuse);
+    case Known::misses_reference: {
+      const bool names_position =
+          intent.motion == tmcl::Motion::to_position || intent.motion == tmcl::Motion::to_target;
+      return if_so(moves && names_position, Ruling::refuse);
+    }
+    case Known::turns_for_other: return if_so(has_call && !leads && !has_lease, Ruling::ask);
+    case Known::turns_for_this: return Ruling::allow;
+    case Known::coordinates_held: return if_so(intent.changes_coordinates, Ruling::ask);
+  }
+  return Ruling::refuse;
+}
+
+TEST(Judge, RulesInEachCellAsTheDocumentSays) {
+  std::size_t cells = 0;
+  for (std::size_t caller = 0; caller < callers().size(); ++caller) {
+    for (const auto& state : states()) {
+      if (!is_possible(callers().at(caller), state)) continue;
+      Case it;
+      callers().at(caller).makes(it);
+      state.makes(it);
+      for (const auto& intent : all_intents()) {
+        ++cells;
+        EXPECT_EQ(it.verdict(intent).ruling,
+                  ruling_by_document(static_cast<Caller>(caller), state.known, intent))
+            << test::name_of(kind_of(intent)) << ", by " << callers().at(caller).name << ": "
+            << state.name;
+      }
+    }
+  }
+  EXPECT_GT(cells, 1000U);
+}
+
+/// The worlds count cells by it.
+TEST(Judge, ACellIsTakenForWhatItIs) {
+  for (std::size_t caller = 0; caller < callers().size(); ++caller) {
+    for (const auto& state : states()) {
+      if (!is_possible(callers().at(caller), state)) continue;
+      Case it;
+      callers().at(caller).makes(it);
+      state.makes(it);
+      EXPECT_TRUE(state.holds(it)) << state.name;
+      EXPECT_EQ(caller_of(it), static_cast<Caller>(caller)) << state.name;
+    }
+  }
 }
 
 TEST(Judge, LetsAStopAndAQuestionThroughWhateverTheStateIs) {
@@ -300,7 +260,7 @@ std::string_view word_for(Ruling ruling) {
   return "";
 }
 
-std::string cells_of(const std::vector<const State*>& in_it) {
+std::string cells_of(const std::vector<const KnownState*>& in_it) {
   std::string cells;
   for (const auto& column : columns()) {
     const auto& caller = callers().at(column.caller);
@@ -308,7 +268,7 @@ std::string cells_of(const std::vector<const State*>& in_it) {
     caller.makes(it);
     bool is_possible = true;
     for (const auto* state : in_it) {
-      is_possible = is_possible && tmcld::is_possible(caller, *state);
+      is_possible = is_possible && test::is_possible(caller, *state);
       state->makes(it);
     }
     cells += fmt::format(" {} |", is_possible ? word_for(it.verdict(column.intent).ruling) : "-");
@@ -321,7 +281,8 @@ std::string rows_of_pairs() {
   std::string rows;
   for (const auto& one : states()) {
     for (const auto& other : states()) {
-      const bool excludes = &one == &other || (one.group != alone && one.group == other.group);
+      const bool excludes =
+          &one == &other || (one.group != Group::alone && one.group == other.group);
       if (&one > &other || excludes) continue;
       const bool differs = std::ranges::any_of(columns(), [&](const Column& column) {
         const auto& caller = callers().at(column.caller);

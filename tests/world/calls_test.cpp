@@ -10,6 +10,7 @@
 
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
+#include "world/cells.hpp"
 #include "world/world.hpp"
 
 namespace tmcld::test {
@@ -78,6 +79,9 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
             << " movements, " << done_for_hosts << " requests done for hosts at ports, "
             << std::chrono::duration_cast<std::chrono::seconds>(lasted).count()
             << " s of virtual time\n";
+  EXPECT_GT(cell_count().judgements(), 0U)
+      << "judge() is asked past the count: a source that asks it is joined with its own";
+  if (std::getenv("TMCL_CELLS") != nullptr) cell_count().print(std::cout);
 }
 
 struct KnownWorld {
