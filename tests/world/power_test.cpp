@@ -7,6 +7,7 @@
 
 #include <boost/json/serialize.hpp>
 
+#include "tmcl/program.hpp"
 #include "world/cable.hpp"
 
 namespace tmcld::test {
@@ -68,6 +69,18 @@ TEST_F(Power, IsSeenToHaveFailedByTheNextLook) {
   EXPECT_TRUE(call("axis.stop", of("x")));
   call("axis.get_state", of("y"));
   EXPECT_EQ(events.size(), 1U) << "it is told once";
+}
+
+/// The module only records it: no search has begun.
+TEST_F(Power, LatchesAlsoWhenAProgramIsLoadedThatSearchesTheReference) {
+  start_again();
+  call("axis.get_state", of("x"));
+  json::object load{{"bus", "bench"}, {"address", 1}};
+  load["program"] = tmcl::program::to_hex(tmcl::program::Program{{tmcl::Command::RFS, 0, 0, 0},
+                                                                 {tmcl::Command::RFS, 0, 0, 0},
+                                                                 {tmcl::Command::STOP, 0, 0, 0}});
+  ASSERT_TRUE(call("program.load", load));
+  expect_latched(call("axis.move_to", of("x", {{"position", 5}})));
 }
 
 TEST_F(Power, IsSeenToHaveFailedBeforeAnythingThatMoves) {

@@ -415,6 +415,21 @@ TEST_F(Turning, OfAProgramIsUnattendedWhenATargetIsWrittenThen) {
   }
 }
 
+/// The module only records the lines: none of them has ended anything, or moved it.
+TEST_F(Turning, IsOfItsOwnerWhileAProgramIsLoadedThatStopsTheAxis) {
+  scene.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", scene.speed}});
+  for (const auto& line :
+       {tmcl::program::Instruction{Command::MST, 0, 0, 0}, {Command::MVP, 0, 0, 79}}) {
+    json::object load{{"bus", "bench"}, {"address", 1}};
+    load["program"] =
+        tmcl::program::to_hex(tmcl::program::Program{line, line, {Command::STOP, 0, 0, 0}});
+    ASSERT_TRUE(scene.call("program.load", load));
+    EXPECT_EQ(scene.state("owner"), "\"client\"") << static_cast<int>(line.command);
+  }
+  scene.client_leaves();
+  EXPECT_TRUE(scene.stands());
+}
+
 TEST_F(Turning, ByARawCommandIsWarnedOf) {
   const auto answer = scene.call(
       "module.execute",

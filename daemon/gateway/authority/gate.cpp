@@ -68,6 +68,11 @@ bool is_judged(const tmcl::step::Exchange& exchange) {
   return effect == tmcl::Effect::writes || moves(exchange);
 }
 
+/// The module has taken it for its memory: nothing moves or stops by it.
+bool is_recorded(const tmcl::Result<tmcl::Answer>& answer) {
+  return answer && answer->reply.status == tmcl::Status::command_loaded;
+}
+
 bool keeps_limits(const tmcl::step::Exchange& exchange, Permit permit) {
   return !permit.exceeds_limits && !exchange.options.is_program_line;
 }
@@ -193,7 +198,7 @@ Gate::Script<tmcl::Answer> Gate::send_once(tmcl::step::Exchange exchange, Conduc
       motors_.before(request, conduct.options.permit, bus_.model_of(request.address));
   std::optional<StopOnItsWay> stop_on_its_way;
   conduct.owes_stop = false;
-  if (is_stop(intent_of(request)))
+  if (is_stop(intent_of(request)) && !exchange.options.is_program_line)
     stop_on_its_way.emplace([this, &conduct, request] { conduct.owes_stop = owe(request); });
   const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
@@ -211,6 +216,10 @@ Gate::Script<tmcl::Answer> Gate::send_once(tmcl::step::Exchange exchange, Conduc
   if (!asks) ++commands_;
   if (stop_on_its_way) stop_on_its_way->note(answer);
   stop_on_its_way.reset();
+  if (is_recorded(answer)) {
+    conduct.acted = true;
+    co_return std::move(answer);
+  }
   if (answer) owed_stops_.remove(request);
   if (conduct.owes_stop) say_that_it_is_owed(answer.error());
   if (conduct.owes_stop && module != nullptr) module->note(answer.error());
