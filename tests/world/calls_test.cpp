@@ -26,6 +26,7 @@ Trouble trouble_of(std::uint64_t seed) {
   if (const char* given = std::getenv("TMCL_WORLD")) return trouble_from(given);
   Trouble trouble{
       .faults = {.lost = 20}, .gaps = seed % 3 == 0, .raw = seed % 4 != 0, .doors = seed % 5 != 0};
+  trouble.programs = seed % 7 < 3;
   if (seed % 2 == 0) trouble.faults = {.lost = 20, .late = 20, .doubled = 10};
   return trouble;
 }
@@ -48,7 +49,7 @@ void note_failure(std::uint64_t seed) {
 }
 
 TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
-  std::size_t requests = 0, movements = 0, done_for_hosts = 0;
+  std::size_t requests = 0, movements = 0, done_for_hosts = 0, programs = 0, unattended = 0;
   tmcl::Duration lasted{};
   const int runs = tmcl::test::rounds(usual_runs);
   for (int run = 0; run < runs && !HasFailure(); ++run) {
@@ -62,6 +63,8 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
     requests += world.requests();
     movements += world.ledger().movements();
     done_for_hosts += world.done_for_hosts();
+    programs += world.programs_run();
+    unattended += world.unattended();
     if (!complaints.empty()) {
       note_failure(seed);
       const auto least = shrunk(trouble, [&](const auto& less) { return fails(seed, less); });
@@ -76,7 +79,8 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
         << "the same seed gave another run: " << command_for(seed, trouble);
   }
   std::cout << runs << " runs: " << requests << " requests on the wires, " << movements
-            << " movements, " << done_for_hosts << " requests done for hosts at ports, "
+            << " movements, " << done_for_hosts << " requests done for hosts at ports, " << programs
+            << " programs run in modules, by which " << unattended << " axes turned at the end, "
             << std::chrono::duration_cast<std::chrono::seconds>(lasted).count()
             << " s of virtual time\n";
   EXPECT_GT(cell_count().judgements(), 0U)

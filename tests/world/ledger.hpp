@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include <boost/json/object.hpp>
+#include <boost/json/serialize.hpp>
 
 #include "api/error.hpp"
 #include "gateway/module/sentinel.hpp"
@@ -20,6 +22,7 @@
 #include "tmcl/datagram.hpp"
 #include "tmcl/parameter.hpp"
 #include "world/owners.hpp"
+#include "world/programs.hpp"
 #include "world/restarts.hpp"
 
 namespace tmcld::test {
@@ -35,9 +38,13 @@ struct WorldAxis {
 
 /// A call in progress.
 struct WorldCall {
+  /// The method of what a host at a port asks for.
+  static constexpr auto at_port = "a command at a port";
+
   std::string method;
   std::vector<std::string> axes;
-  /// What the movement of each axis carries, where that is known before.
+  /// What the movement of each axis carries, where that is known before: of a Mint program first
+  /// those of the first movement, then those of the next.
   std::vector<std::int32_t> values{};
   /// What is added to where the axis is, which is not known before.
   std::optional<std::int32_t> distance{};
@@ -49,7 +56,16 @@ struct WorldCall {
   std::optional<tmcl::Request> raw{};
   /// Where to is in its module.
   std::optional<std::uint8_t> coordinate{};
+  /// What runs a program in their module, or a line of it.
+  std::optional<tmcl::Request> program{};
+  /// What it writes into the memory of their module.
+  tmcl::program::Program lines{};
 
+  /// It leads its axes, and belongs to the gateway.
+  bool leads() const { return method == "line.move" || method == "mint.run"; }
+  std::size_t movements_of_each() const {
+    return method == "mint.run" ? values.size() / axes.size() : 1;
+  }
   bool stops() const {
     return method == "axis.stop" || method == "system.stop_all" ||
            (raw && raw->command == tmcl::Command::MST);
@@ -64,6 +80,9 @@ class Ledger {
 
   using Number = std::uint64_t;
 
+  /// How often a program in its module has moved the motor of an axis.
+  std::function<std::int32_t(const WorldAxis&)> moves_by_program = [](const auto&) { return 0; };
+
   /// Just before it is dispatched.
   Number begin(WorldCall call, tmcl::TimePoint now) {
     const auto number = ++last_;
@@ -77,6 +96,7 @@ class Ledger {
     if (call.method == "lease.release") owners_.release(call.about);
     if (call.stops()) {
       for (const auto& axis : call.axes) stops_[axis].push_back({number, now, false});
+      if (call.axes.size() == 1) stopping_.emplace(number, Stopping{call.axes.front(), now});
     } else {
       running_.emplace(number, Running{std::move(call), now});
     }
@@ -86,6 +106,7 @@ class Ledger {
   void end(Number number, const Result<boost::json::object>& result, tmcl::TimePoint now) {
     note(now, "end of call " + std::to_string(number) +
                   (result ? std::string() : ": " + result.error().message));
+    if (const auto stopped = stopping_.extract(number)) look_at_stop(stopped.mapped(), result);
     const auto found = running_.extract(number);
     if (!found) return;
     const auto& running = found.mapped();
@@ -95,6 +116,8 @@ class Ledger {
     if (result) {
       note_lease(running, *result, now);
       if (values_are_right_ && !has_restarted(running)) look_at_values(running, *result);
+      // A datagram has no place for it.
+      if (call.program && call.method != WorldCall::at_port) look_whether_unattended(call, *result);
     }
     look_at_outcome(running, result);
   }
@@ -102,6 +125,7 @@ class Ledger {
   /// A client has lost its connection.
   void on_leave(std::uint64_t client, tmcl::TimePoint now) {
     note(now, "client " + std::to_string(client) + " goes");
+    look_at_programs();
     owners_.leave(client, now);
   }
   std::vector<std::int64_t> leases_of(std::uint64_t client) const {
@@ -142,13 +166,15 @@ class Ledger {
   /// Its module has got no command for too long, and has stopped it.
   void on_deadman(const std::string& axis, tmcl::TimePoint now) { owners_.stand(axis, now); }
 
-  /// In the order in which they are on the wire.
-  void on_request(const std::string& bus, const tmcl::Request& request, tmcl::TimePoint now) {
+  /// In the order in which they are on the wire. `is_recorded`: its module loads a program.
+  void on_request(const std::string& bus, const tmcl::Request& request, tmcl::TimePoint now,
+                  bool is_recorded) {
+    look_at_programs();
     look(now);
+    if (is_line(bus, request, now, is_recorded)) return;
     for (const auto& axis : axes_) {
       if (axis.bus != bus || axis.address.module != request.address) continue;
-      if (request.command == tmcl::Command::MST && request.motor == axis.address.motor)
-        note_stop(axis.name, now);
+      if (is_stop_of(axis, request)) note_stop(axis.name, now);
       if (!moves(request, axis.address.motor)) continue;
       const auto client = judge(axis.name, request, now);
       note_turning(axis, request, client, now);
@@ -157,10 +183,12 @@ class Ledger {
   }
 
   /// What a module answers, before anything can happen to that.
-  void on_answer(const std::string& bus, const tmcl::Request& request, std::int32_t value) {
+  void on_answer(const std::string& bus, const tmcl::Request& request, std::int32_t value,
+                 tmcl::TimePoint now) {
     const bool reads = request.command == tmcl::Command::GAP;
     for (const auto& axis : axes_) {
       if (axis.bus != bus || axis.address.module != request.address) continue;
+      if (is_stop_of(axis, request)) stopped_[axis.name] = now;
       for (auto& [number, running] : running_) {
         if (std::ranges::count(running.call.axes, axis.name) == 0) continue;
         if (reads && request.motor == axis.address.motor)
@@ -181,25 +209,6 @@ class Ledger {
   const std::vector<std::string>& complaints() const { return complaints_; }
   std::size_t movements() const { return movements_; }
 
- private:
-  struct Stop {
-    Number number;
-    tmcl::TimePoint called;
-    bool sent;
-  };
-  struct Running {
-    WorldCall call;
-    tmcl::TimePoint began;
-    std::set<std::string> moved{};  ///< Axes that a datagram has gone out to.
-    /// What was read of its axes: parameters, and what they really were.
-    std::set<std::pair<std::uint8_t, std::int32_t>> readings{};
-    std::optional<tmcl::Request> sent{};  ///< The last that moves something.
-    bool executed = false;
-  };
-
-  static constexpr std::uint8_t start_search = 0;
-  static constexpr std::int32_t coordinate_of_lines = 0;  // clients have others
-
   // From the manual, and not from the gateway's own table.
   static bool moves(const tmcl::Request& request, std::uint8_t motor) {
     using tmcl::Command;
@@ -216,15 +225,41 @@ class Ledger {
       case Command::SAP:
         return request.motor == motor && (request.type == tmcl::axis_parameter::target_position ||
                                           request.type == tmcl::axis_parameter::target_velocity);
-      default: return false;
+      default: return starts_program(request);
     }
   }
+  static bool is_stop_of(const WorldAxis& axis, const tmcl::Request& request) {
+    return request.command == tmcl::Command::MST && request.motor == axis.address.motor;
+  }
+
+ private:
+  struct Stopping {
+    std::string axis;
+    tmcl::TimePoint began;
+  };
+  struct Stop {
+    Number number;
+    tmcl::TimePoint called;
+    bool sent;
+  };
+  struct Running {
+    WorldCall call;
+    tmcl::TimePoint began;
+    std::map<std::string, std::size_t> moved{};  ///< Axes, and how many datagrams moved them.
+    /// What was read of its axes: parameters, and what they really were.
+    std::set<std::pair<std::uint8_t, std::int32_t>> readings{};
+    std::optional<tmcl::Request> sent{};  ///< The last that moves something.
+    bool executed = false;
+  };
+
+  static constexpr std::uint8_t start_search = 0;
+  static constexpr std::int32_t coordinate_of_lines = 0;  // clients have others
 
   static bool is_movement(const WorldCall& call) {
     return call.method.starts_with("axis.move") || call.method == "axis.rotate" ||
            call.method == "axis.home" || call.method == "line.move" ||
-           call.method == "parameter.set" || call.coordinate ||
-           (call.raw && moves(*call.raw, call.raw->motor));
+           call.method == "parameter.set" || call.method == "mint.run" || call.coordinate ||
+           call.program || (call.raw && moves(*call.raw, call.raw->motor));
   }
 
   void note(tmcl::TimePoint time, const std::string& what) {
@@ -237,6 +272,8 @@ class Ledger {
   void note_turning(const WorldAxis& axis, const tmcl::Request& request, std::uint64_t client,
                     tmcl::TimePoint now) {
     using tmcl::Command;
+    // What the program does, it counts.
+    if (starts_program(request)) return;
     const bool turns = request.command == Command::ROR || request.command == Command::ROL;
     if (turns && request.value != 0) {
       // Who does not hear it does not turn.
@@ -264,10 +301,17 @@ class Ledger {
   }
 
   /// Nothing where any value is right.
-  static std::optional<std::int32_t> value_for(const WorldCall& call, const std::string& axis) {
+  static std::optional<std::int32_t> value_for(const Running& running, const std::string& axis) {
+    const auto& call = running.call;
     const auto place = std::ranges::find(call.axes, axis) - call.axes.begin();
-    return call.values.empty() ? std::nullopt
-                               : std::optional(call.values[static_cast<std::size_t>(place)]);
+    const auto before = times_moved(running, axis) * call.axes.size();
+    return call.values.empty()
+               ? std::nullopt
+               : std::optional(call.values[before + static_cast<std::size_t>(place)]);
+  }
+  static std::size_t times_moved(const Running& running, const std::string& axis) {
+    const auto found = running.moved.find(axis);
+    return found == running.moved.end() ? 0 : found->second;
   }
 
   /// A line starts all its axes of one module with one datagram.
@@ -290,7 +334,9 @@ class Ledger {
                      const tmcl::Request& request) const {
     const auto& call = running.call;
     const bool named = std::ranges::find(call.axes, axis) != call.axes.end();
-    if (!is_movement(call) || !named || running.moved.contains(axis)) return false;
+    if (!is_movement(call) || !named) return false;
+    if (times_moved(running, axis) >= call.movements_of_each()) return false;
+    if (call.program || starts_program(request)) return call.program == request;
     const bool searches = request.command == tmcl::Command::RFS;
     if (searches || call.method == "axis.home") return searches && call.method == "axis.home";
     const bool by_position = request.command == tmcl::Command::MVP;
@@ -298,12 +344,12 @@ class Ledger {
     if (call.coordinate && !to_coordinate) return by_position && has_limit(axis);
     if (call.coordinate) return *call.coordinate == request.value;
     if (to_coordinate)
-      return call.method == "line.move" && request.value == coordinate_of_lines &&
+      return call.leads() && request.value == coordinate_of_lines &&
              starts_all_of_module(call, request, axis);
     if (call.distance && by_position)
       return running.readings.contains(
           {tmcl::axis_parameter::actual_position, request.value - *call.distance});
-    const auto value = value_for(call, axis);
+    const auto value = value_for(running, axis);
     const auto sign = request.command == tmcl::Command::ROL ? -1 : 1;
     // Of a setting that moves nothing no value is known.
     const bool goes_anywhere = by_position && call.method != "parameter.set";
@@ -334,7 +380,7 @@ class Ledger {
     const auto after = std::max(stopped_before(axis, now), last_stale_);
     if (const auto number = sender_of(axis, request, after, now)) {
       auto& running = running_.at(*number);
-      running.moved.insert(axis);
+      ++running.moved[axis];
       running.sent = request;
       if (request.command == tmcl::Command::RFS) restarts_.allow(axis, *number);
       look_for_latch(axis, running.call, now);
@@ -349,8 +395,7 @@ class Ledger {
 
   void look_for_latch(const std::string& axis, const WorldCall& by, tmcl::TimePoint now) {
     // Of lines is assumed that modules take longer to start.
-    const bool may_be_unseen =
-        by.method == "line.move" && now - restarts_.last(axis) <= journey_sentinel_age;
+    const bool may_be_unseen = by.leads() && now - restarts_.last(axis) <= journey_sentinel_age;
     if (may_be_unseen) restarts_.hide(axis);
     if (restarts_.is_latched(axis) && !restarts_.is_deaf(axis, now) && !may_be_unseen)
       complain(axis +
@@ -362,8 +407,7 @@ class Ledger {
                       tmcl::TimePoint now) {
     if (owners_.is_others(axis, by.client, number, now))
       complain(by.method + " moves " + axis + ", of which somebody else has a lease");
-    // A line belongs to the gateway.
-    if (by.method != "line.move" && owners_.is_long_gone(by.client, now))
+    if (!by.leads() && owners_.is_long_gone(by.client, now))
       complain(by.method + " moves " + axis + ", and who has asked for it is gone");
   }
 
@@ -408,10 +452,54 @@ class Ledger {
     }
   }
 
+  /// What a program moves has no owner, and who has run it is told so.
+  void look_whether_unattended(const WorldCall& call, const boost::json::object& result) {
+    const auto* warnings = call.raw ? result.if_contains("warnings") : nullptr;
+    const bool is_told = call.raw ? warnings != nullptr && boost::json::serialize(*warnings).find(
+                                                               "unattended") != std::string::npos
+                                  : result.at("unattended") == true;
+    if (!is_told) complain(call.method + " did not tell that what it moves is unattended");
+  }
+
+  void look_at_stop(const Stopping& stopping, const Result<boost::json::object>& result) {
+    const auto found = stopped_.find(stopping.axis);
+    const bool is_done = found != stopped_.end() && found->second >= stopping.began;
+    const bool has_restarted = restarts_.last(stopping.axis) >= stopping.began;
+    if (result && values_are_right_ && !is_done && !has_restarted)
+      complain("a stop of " + stopping.axis + " was done, but its module has not executed it");
+  }
+
+  /// A program that has moved a motor has taken it from who let it turn.
+  void look_at_programs() {
+    for (const auto& axis : axes_) {
+      const auto count = moves_by_program(axis);
+      if (std::exchange(moved_by_program_[axis.name], count) != count)
+        owners_.move_by_program(axis.name);
+    }
+  }
+
+  /// It is loaded into the memory of the module, or would be if that heard it.
+  bool is_line(const std::string& bus, const tmcl::Request& request, tmcl::TimePoint now,
+               bool is_recorded) {
+    const auto axis = std::ranges::find_if(axes_, [&](const WorldAxis& one) {
+      return one.bus == bus && one.address.module == request.address;
+    });
+    if (axis == axes_.end()) return false;
+    const bool is_of_load = std::ranges::any_of(running_, [&](const auto& one) {
+      const auto& call = one.second.call;
+      return std::ranges::count(call.axes, axis->name) > 0 &&
+             std::ranges::count(call.lines, line_of(request)) > 0;
+    });
+    if (is_of_load) return is_recorded || restarts_.is_deaf(axis->name, now);
+    if (is_recorded && (moves(request, request.motor) || is_stop_of(*axis, request)))
+      complain("a command for " + axis->name + " is recorded in a program that it is no line of");
+    return is_recorded;
+  }
+
   void look_at_outcome(const Running& running, const Result<boost::json::object>& result) {
     const auto& call = running.call;
     if (call.axes.size() != 1) return;
-    const bool moves = is_movement(call) && (!call.values.empty() || call.distance);
+    const bool moves = is_movement(call) && (!call.values.empty() || call.distance || call.program);
     if (result && moves && running.moved.empty()) complain(call.method + " was done unseen");
     if (result && moves && !running.executed && !has_restarted(running))
       complain(call.method + " was done, but its module has not executed it");
@@ -426,6 +514,9 @@ class Ledger {
   Number last_stale_ = 0;
   std::map<Number, Running> running_;
   std::map<std::string, std::vector<Stop>> stops_;
+  std::map<Number, Stopping> stopping_;                     ///< Calls, each for one axis.
+  std::map<std::string, tmcl::TimePoint> stopped_;          ///< When modules executed a stop last.
+  std::map<std::string, std::int32_t> moved_by_program_{};  ///< How often.
   std::deque<std::string> history_;  ///< What happened last, for the reader of a complaint.
   std::vector<std::string> complaints_;
   std::size_t movements_ = 0;

@@ -22,9 +22,15 @@ class Owners {
 
   void turn(const std::string& axis, std::uint64_t client, tmcl::TimePoint now) {
     turning_[axis] = client;
-    if (gone_.contains(client)) owe(axis, now);
+    if (gone_.contains(client)) owe(axis, now, Because::turning);
   }
   void end_turning(const std::string& axis) { turning_.erase(axis); }
+  /// What it does now has no owner. A lease of the axis has one all the same.
+  void move_by_program(const std::string& axis) {
+    turning_.erase(axis);
+    const auto found = owed_.find(axis);
+    if (found != owed_.end() && found->second.because == Because::turning) owed_.erase(found);
+  }
   /// Axes that were told to turn, and since then neither to stop nor to go somewhere.
   std::vector<std::string> turning() const {
     std::vector<std::string> axes;
@@ -67,7 +73,7 @@ class Owners {
 
   /// Nobody could do anything for so long.
   void on_gap(tmcl::TimePoint now, tmcl::Duration duration) {
-    for (auto& [axis, until] : owed_) until += duration;
+    for (auto& [axis, owed] : owed_) owed.until += duration;
     for (auto& [number, lease] : leases_)
       if (lease.ends > now - duration) lease.ends = std::max(lease.ends, now);
   }
@@ -75,7 +81,7 @@ class Owners {
   void leave(std::uint64_t client, tmcl::TimePoint now) {
     gone_.emplace(client, now);
     for (const auto& [axis, owner] : turning_)
-      if (owner == client) owe(axis, now);
+      if (owner == client) owe(axis, now, Because::turning);
     for (const auto number : leases_of(client)) lose(number, now);
   }
   bool is_gone(std::uint64_t client) const { return gone_.contains(client); }
@@ -97,8 +103,8 @@ class Owners {
       if (lease.ends < now) ended.emplace(number, lease.ends);
     for (const auto& [number, end] : ended) lose(number, end);
     std::vector<std::string> axes;
-    for (const auto& [axis, until] : owed_)
-      if (until < now) axes.push_back(axis);
+    for (const auto& [axis, owed] : owed_)
+      if (owed.until < now) axes.push_back(axis);
     for (const auto& axis : axes) owed_.erase(axis);
     return axes;
   }
@@ -113,21 +119,28 @@ class Owners {
     bool has(const std::string& axis) const { return std::ranges::find(axes, axis) != axes.end(); }
   };
 
-  void owe(const std::string& axis, tmcl::TimePoint since) {
-    owed_.emplace(axis, since + time_to_stop);
+  enum class Because : std::uint8_t { turning, lease };
+  struct Owed {
+    tmcl::TimePoint until;
+    Because because;
+  };
+
+  void owe(const std::string& axis, tmcl::TimePoint since, Because because) {
+    const auto [owed, is_new] = owed_.try_emplace(axis, Owed{since + time_to_stop, because});
+    if (!is_new && because == Because::lease) owed->second.because = because;
   }
   /// It may have ended before, and its axes have been stopped already.
   void lose(std::int64_t number, tmcl::TimePoint since) {
     const auto& lease = leases_[number];
     for (const auto& axis : lease.axes)
-      if (!stood_.contains(axis) || stood_[axis] < lease.may_end) owe(axis, since);
+      if (!stood_.contains(axis) || stood_[axis] < lease.may_end) owe(axis, since, Because::lease);
     leases_.erase(number);
   }
 
   std::map<std::string, std::uint64_t> turning_;
   std::map<std::int64_t, Lease> leases_;
   std::map<std::uint64_t, tmcl::TimePoint> gone_;
-  std::map<std::string, tmcl::TimePoint> owed_;
+  std::map<std::string, Owed> owed_;
   std::map<std::string, tmcl::TimePoint> stood_;
 };
 

@@ -46,9 +46,10 @@ struct Trouble {
   int clients = 4;
   int calls = 40;  ///< Of each client.
   Canary canary = Canary::none;
-  bool gaps = false;   ///< The process of the gateway is stopped for a while.
-  bool raw = false;    ///< Clients send raw commands, and move to coordinates, too.
-  bool doors = false;  ///< Hosts at ports, and a client that has a connection for each call.
+  bool gaps = false;      ///< The process of the gateway is stopped for a while.
+  bool raw = false;       ///< Clients send raw commands, and move to coordinates, too.
+  bool doors = false;     ///< Hosts at ports, and a client that has a connection for each call.
+  bool programs = false;  ///< Mint programs, and programs in modules.
 };
 
 /// Numbers in a fixed order, as TMCL_WORLD takes them.
@@ -58,8 +59,9 @@ inline std::string to_text(const Trouble& trouble) {
   text << faults.lost << ',' << faults.late << ',' << faults.doubled << ',' << trouble.deaths << ','
        << trouble.supplies << ',' << trouble.clients << ',' << trouble.calls << ','
        << static_cast<int>(trouble.canary) << ',' << trouble.gaps;
-  if (trouble.raw || trouble.doors) text << ',' << trouble.raw;
-  if (trouble.doors) text << ",1";
+  if (trouble.raw || trouble.doors || trouble.programs) text << ',' << trouble.raw;
+  if (trouble.doors || trouble.programs) text << ',' << trouble.doors;
+  if (trouble.programs) text << ",1";
   return text.str();
 }
 
@@ -74,9 +76,9 @@ inline Trouble trouble_from(const std::string& text) {
       canary >> comma >> trouble.gaps;
   trouble.canary = static_cast<Canary>(canary);
   const bool is_whole = !in.fail();
-  in >> comma >> trouble.raw >> comma >> trouble.doors;
+  in >> comma >> trouble.raw >> comma >> trouble.doors >> comma >> trouble.programs;
   if (!is_whole)
-    throw std::invalid_argument("TMCL_WORLD: nine to eleven numbers, see tests/world/trouble.hpp");
+    throw std::invalid_argument("TMCL_WORLD: nine to twelve numbers, see tests/world/trouble.hpp");
   return trouble;
 }
 
@@ -88,6 +90,7 @@ inline std::vector<Trouble> simpler(const Trouble& trouble) {
     change(less);
     if (to_text(less) != to_text(trouble)) all.push_back(less);
   };
+  with([](Trouble& less) { less.programs = false; });
   with([](Trouble& less) { less.doors = false; });
   with([](Trouble& less) { less.raw = false; });
   with([](Trouble& less) { less.gaps = false; });

@@ -20,10 +20,13 @@
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
 #include "tmcl/command_type.hpp"
+#include "tmcl/mechanics.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "world/feeding.hpp"
 #include "world/host.hpp"
 #include "world/ledger.hpp"
+#include "world/programs.hpp"
+#include "world/standing.hpp"
 #include "world/trouble.hpp"
 #include "world/wire.hpp"
 #include "world/world_peer.hpp"
@@ -58,19 +61,28 @@ class World {
       wire->forges_fences = trouble.canary == Canary::forged_fences;
       wire->on_request = [this, wire](const tmcl::Request& request) {
         note_deadman();
-        ledger_.on_request(wire->name(), request, time_.now());
+        const bool is_recorded = downloads_.records(wire->name(), request);
+        ledger_.on_request(wire->name(), request, time_.now(), is_recorded);
+        look_at_standing(*wire, request);
         look_at_feeding(*wire, request);
         if (wire == &serial_) break_after(request);
         look_at_places(*wire);
       };
       wire->on_answer = [this, wire](const tmcl::Request& request, std::int32_t value) {
-        ledger_.on_answer(wire->name(), request, value);
+        ledger_.on_answer(wire->name(), request, value, time_.now());
+        downloads_.on_answer(wire->name(), request);
+        begin_to_stand(*wire, request);
       };
     }
     break_line();
     GatewayOptions options;
     options.open_link = [this](const BusConfig& bus) { return wire(bus.name).open(); };
     options.new_epoch = [last = std::int64_t{0}]() mutable { return ++last; };
+    options.audit = [this](const AuditEntry& entry) { look_at_audit(entry.text); };
+    if (trouble.programs)
+      ledger_.moves_by_program = [this](const WorldAxis& axis) {
+        return moves_by_program(module_of(axis), axis.address.motor);
+      };
     gateway_ =
         Gateway::create(context_.get_executor(), configuration(trouble.canary != Canary::no_limits),
                         std::move(options));
@@ -95,6 +107,8 @@ class World {
     time_.run_for(10s);
     ledger_.look(time_.now());
     turning_ = ledger_.turning();
+    spawn(context_.get_executor(), see_all_stand());
+    all_stand_ = time_.run_while_not([this] { return all_stand_; }, 5min);
     gateway_->close();
     time_.run_for(10s);
     look_at_deadman();
@@ -106,12 +120,17 @@ class World {
     auto all = ledger_.complaints();
     if (!all_ended_) all.emplace_back("a call has no end");
     if (!journeys_ended_) all.emplace_back("a line has no end");
+    if (!all_stand_) all.emplace_back("a stop of what a program turns has no end");
     for (const auto& axis : turning_) all.push_back(axis + " turns, although nobody is there");
     return all;
   }
   std::uint64_t trace() const { return trace_.value(); }
   const Ledger& ledger() const { return ledger_; }
   std::size_t done_for_hosts() const { return done_for_hosts_; }
+  /// Programs that were run in modules, or lines of them.
+  std::size_t programs_run() const { return programs_run_; }
+  /// Axes that a program let turn when all clients had gone.
+  std::size_t unattended() const { return unattended_; }
   std::size_t requests() const { return serial_.requests() + can_.requests(); }
   tmcl::TimePoint now() const { return time_.now(); }
 
@@ -173,6 +192,9 @@ class World {
     ++ended_;
   }
 
+  /// A part of the calls of a world that has programs.
+  bool draws_program(Random& random) const { return trouble_.programs && random.one_in(5); }
+
   void leave(const WorldPeer& peer) {
     ledger_.on_leave(peer.number, now());
     if (trouble_.canary != Canary::owner_not_missed) gateway_->remove_client(peer.number);
@@ -205,14 +227,17 @@ class World {
     if (*module->axis(0).get(tmcl::axis_parameter::actual_velocity) != 0)
       ledger_.complain("a motor turns, although its module got no command for too long");
   }
-  static tmcl::Duration time_to_rest(const tmcl::sim::Module& module) {
+  static tmcl::Duration time_to_rest(const tmcl::sim::Module& module, std::uint8_t motor = 0) {
     namespace ap = tmcl::axis_parameter;
     std::vector<std::int32_t> dividers;
     for (const auto parameter : tmcl::unit_parameters(module.model()))
-      dividers.push_back(*module.axis(0).get(parameter));
+      dividers.push_back(*module.axis(motor).get(parameter));
     const auto units = tmcl::module_units(module.model(), dividers).value();
-    const double speed = *module.axis(0).get(ap::max_velocity) * units.velocity.value;
-    const double slope = *module.axis(0).get(ap::max_acceleration) * units.acceleration.value;
+    // It may turn faster than it was set to since.
+    const auto fastest = std::max(*module.axis(motor).get(ap::max_velocity),
+                                  std::abs(*module.axis(motor).get(ap::actual_velocity)));
+    const double speed = fastest * units.velocity.value;
+    const double slope = *module.axis(motor).get(ap::max_acceleration) * units.acceleration.value;
     if (slope <= 0) return {};
     const std::chrono::duration<double> time(speed / slope);
     return std::chrono::duration_cast<tmcl::Duration>(time);
@@ -231,6 +256,121 @@ class World {
     const auto fault = feeding_.on_request(wire.name(), request, now());
     if (!fault.empty()) ledger_.complain(fault);
   }
+
+  // ---- what its module does ----
+
+  const tmcl::sim::Module& module_of(const WorldAxis& axis) {
+    auto& bench = wire(axis.bus).bench();
+    bench.run_due();
+    const auto found = std::ranges::find_if(bench.modules(), [&](const auto& module) {
+      return address_of(*module) == axis.address.module;
+    });
+    return **found;
+  }
+  bool turns(const WorldAxis& axis) {
+    return *module_of(axis).axis(axis.address.motor).get(tmcl::axis_parameter::actual_velocity) !=
+           0;
+  }
+  bool turns_without_end(const WorldAxis& axis) {
+    const auto& module = module_of(axis);
+    const auto& motor = module.axis(axis.address.motor);
+    const auto mode = tmcl::mode_parameter(tmcl::axis_parameters(module.model()));
+    // One that does not tell it is not asked.
+    if (!mode) return false;
+    const bool by_velocity = may_turn_in(*mode, *motor.get(mode->number)) &&
+                             *motor.get(tmcl::axis_parameter::target_velocity) != 0;
+    return by_velocity && turns(axis) && motor.search_step() == 0;
+  }
+
+  /// Its module has taken a stop: from then on it comes to rest.
+  void begin_to_stand(const Wire& wire, const tmcl::Request& request) {
+    for (const auto& axis : axes()) {
+      if (axis.bus != wire.name() || axis.address.module != request.address) continue;
+      if (!Ledger::is_stop_of(axis, request)) continue;
+      const auto& module = module_of(axis);
+      if (module.axis(axis.address.motor).search_step() != 0) continue;
+      standing_.begin(axis.name, now() + 2 * time_to_rest(module, axis.address.motor),
+                      moves_by_program(module, axis.address.motor));
+    }
+  }
+  /// Unless something moves it again.
+  void look_at_standing(const Wire& wire, const tmcl::Request& request) {
+    for (const auto& axis : axes()) {
+      const bool is_its_module = axis.bus == wire.name() && axis.address.module == request.address;
+      if (is_its_module && Ledger::moves(request, axis.address.motor)) standing_.end(axis.name);
+      const auto count = standing_.count_of(axis.name, now());
+      if (!count) continue;
+      const bool is_moved = moves_by_program(module_of(axis), axis.address.motor) != *count;
+      if (!is_moved && turns(axis)) ledger_.complain(axis.name + " goes on after a stop");
+      standing_.end(axis.name);
+    }
+  }
+
+  void look_at_audit(const std::string& line) {
+    const bool runs = line.find("program.run") != std::string::npos ||
+                      line.find("program.step") != std::string::npos ||
+                      line.find("RUN_APPLICATION") != std::string::npos ||
+                      line.find("STEP_APPLICATION") != std::string::npos;
+    const bool is_done = line.find("outcome=done") != std::string::npos;
+    if (runs && is_done && !line.ends_with("unattended"))
+      ledger_.complain("the audit does not say that it is unattended: " + line);
+    programs_run_ += runs && is_done ? 1U : 0U;
+  }
+
+  /// When all clients have gone nothing turns without end but by a program, and of that it is said.
+  /// Then it is stopped: first the program, and then the motor.
+  boost::asio::awaitable<void> see_all_stand() {
+    const auto peer = std::make_shared<WorldPeer>(trace_);
+    peer->number = gateway_->add_client().number;
+    for (const auto& axis : axes()) {
+      if (!turns_without_end(axis)) continue;
+      if (moves_by_program(module_of(axis), axis.address.motor) == 0) {
+        ledger_.complain(axis.name + " turns, and no program has moved it");
+        continue;
+      }
+      auto said = say_that_it_is_unattended(peer, axis);
+      co_await std::move(said);
+      auto stopped = stop_program_and_motor(peer, axis);
+      co_await std::move(stopped);
+    }
+    gateway_->remove_client(peer->number);
+    all_stand_ = true;
+  }
+
+  boost::asio::awaitable<void> say_that_it_is_unattended(std::shared_ptr<WorldPeer> peer,
+                                                         WorldAxis axis) {
+    const auto before = moves_by_program(module_of(axis), axis.address.motor);
+    json::object params{{"axis", axis.name}};
+    auto request = request_of({.method = "axis.get_state", .axes = {axis.name}}, std::move(params));
+    const auto state = co_await dispatch(gateway_, peer, std::move(request));
+    const bool goes_on =
+        turns_without_end(axis) && moves_by_program(module_of(axis), axis.address.motor) == before;
+    if (!state || !goes_on || state->at("velocity_internal") == 0) co_return;
+    ++unattended_;
+    if (state->at("unattended") != true || !state->at("owner").is_null())
+      ledger_.complain("a program turns " + axis.name +
+                       ", and that is not said to be unattended: " + json::serialize(*state));
+  }
+
+  boost::asio::awaitable<void> stop_program_and_motor(std::shared_ptr<WorldPeer> peer,
+                                                      WorldAxis axis) {
+    const auto module = number(axis.address.module);
+    const std::vector<std::pair<std::string, json::object>> calls{
+        {"program.stop", {{"bus", axis.bus}, {"address", module}}},
+        {"axis.stop", {{"axis", axis.name}}}};
+    for (const auto& [method, params] : calls) {
+      bool is_done = false;
+      for (int tries = 5; tries > 0 && !is_done; --tries) {
+        auto request = request_of({.method = method, .axes = {axis.name}}, params);
+        const auto answer = co_await dispatch(gateway_, peer, std::move(request));
+        is_done = answer.has_value();
+      }
+      if (!is_done) ledger_.complain(method + " is not done, for " + axis.name);
+    }
+    co_await rest(2 * time_to_rest(module_of(axis), axis.address.motor) + std::chrono::seconds(1));
+    if (turns(axis)) ledger_.complain(axis.name + " turns on, although its program has ended");
+  }
+
   const GatewayModule* module_at(const Wire& wire, tmcl::ModuleAddress address) const {
     for (const auto& bus : gateway_->buses())
       if (bus->name() == wire.name()) return bus->find_module(address);
@@ -276,6 +416,11 @@ class World {
     const auto host = std::make_shared<WorldHost>(gateway_, bus);
     for (auto left = random.between(0, 15); left > 0 && !has_ended(); --left) {
       co_await rest(std::chrono::microseconds(random.any_size(500'000)));
+      if (draws_program(random)) {
+        auto loaded = load(host, random, bus);
+        co_await std::move(loaded);
+        continue;
+      }
       auto asked = ask(host, any_request(random, bus));
       co_await std::move(asked);
     }
@@ -290,12 +435,48 @@ class World {
     std::erase_if(on_bus, [&](const WorldAxis& axis) { return axis.bus != bus; });
     const auto last = static_cast<std::int64_t>(on_bus.size()) - 1;
     json::object unused;
+    if (draws_program(random))
+      return raw_program_call(random, client_of_hosts, module_for_programs(bus), unused);
     return raw(random, client_of_hosts,
                on_bus[static_cast<std::size_t>(random.between(0, last))].name, unused);
   }
 
+  /// As hosts do it, line by line, until one is not recorded.
+  boost::asio::awaitable<void> load(std::shared_ptr<WorldHost> host, Random& random,
+                                    std::string bus) {
+    using tmcl::Command;
+    auto call = WorldCall{.method = "load", .axes = {}};
+    const auto chosen = module_for_programs(bus);
+    call.axes = names_of(axes_of(chosen));
+    call.client = host->number();
+    const auto place = program_place(client_of_hosts);
+    call.lines = draw_program(random, client_of_hosts, chosen);
+    const auto lines = call.lines;
+    const auto number = ledger_.begin(std::move(call), now());
+    const auto module = chosen.address.module;
+    auto begun = say(host, {module, Command::START_DOWNLOAD, 0, 0, place});
+    bool goes_on = co_await std::move(begun) == tmcl::Status::ok;
+    for (const auto& line : lines) {
+      if (!goes_on || random.one_in(20)) break;
+      auto said = say(host, tmcld::test::request_of(line, module));
+      goes_on = co_await std::move(said) == tmcl::Status::command_loaded;
+    }
+    auto ended = say(host, {module, Command::END_DOWNLOAD, 0, 0, 0});
+    (void)co_await std::move(ended);
+    ledger_.end(number, json::object{}, now());
+  }
+
+  boost::asio::awaitable<std::optional<tmcl::Status>> say(std::shared_ptr<WorldHost> host,
+                                                          tmcl::Request request) {
+    host->say(request);
+    auto answer = host->answer();
+    const auto told = co_await std::move(answer);
+    co_return told ? std::optional(told->reply.status) : std::nullopt;
+  }
+
   boost::asio::awaitable<void> ask(std::shared_ptr<WorldHost> host, WorldCall call) {
     call.client = host->number();
+    call.method = WorldCall::at_port;
     const auto request = *call.raw;
     const auto number = ledger_.begin(std::move(call), now());
     host->say(request);
@@ -322,6 +503,9 @@ class World {
       const auto watched_by = module_at(wire, address)->sentinel().name();
       ledger_.on_restart(wire.name(), address, now(), watched_by);
       if (feeding_.is_of(wire.name(), address)) feeding_.on_pause(now());
+      downloads_.on_restart(wire.name(), address);
+      for (const auto& axis : axes())
+        if (axis.bus == wire.name() && axis.address.module == address) standing_.end(axis.name);
       wire.power_cycle(module, address);
     }
   }
@@ -405,6 +589,7 @@ class World {
     static const auto all = axes();
     const auto& axis = all[static_cast<std::size_t>(random.between(0, 5))].name;
     params["axis"] = axis;
+    if (draws_program(random)) return program_call(random, client, params);
     const auto value = far(random, client);
     switch (random.between(0, trouble_.raw ? 27 : 21)) {
       case 0:
@@ -456,6 +641,102 @@ class World {
       case 27: return raw(random, client, axis, params);
       default: return {"axis.get_state", {axis}};
     }
+  }
+
+  // ---- programs ----
+
+  /// Whose axes have no limits that a program could pass, and whose motors no deadman stops.
+  static WorldAxis module_for_programs(const std::string& bus) {
+    const auto all = axes();
+    return *std::ranges::find_if(all, [&](const WorldAxis& axis) {
+      return axis.bus == bus && axis.soft_limit == 0 && axis.name != axis_with_deadman;
+    });
+  }
+  static std::vector<WorldAxis> axes_of(const WorldAxis& of_module) {
+    auto all = axes();
+    std::erase_if(all, [&](const WorldAxis& axis) {
+      return axis.bus != of_module.bus || axis.address.module != of_module.address.module;
+    });
+    return all;
+  }
+  static tmcl::program::Program draw_program(Random& random, int client, const WorldAxis& module) {
+    const auto last = static_cast<std::int64_t>(axes_of(module).size()) - 1;
+    const auto position = far(random, client);
+    return any_program(random, program_place(client),
+                       static_cast<std::uint8_t>(random.between(0, last)), position,
+                       of_client(position / 200, client));
+  }
+
+  static WorldCall program_call(Random& random, int client, json::object& params) {
+    const auto module = module_for_programs(random.one_in(2) ? "line" : "field");
+    const json::object place{{"bus", module.bus}, {"address", number(module.address.module)}};
+    const auto names = names_of(axes_of(module));
+    switch (random.between(0, 8)) {
+      case 0:
+      case 1: return mint(random, client, params);
+      case 2:
+      case 3: {
+        WorldCall call{.method = "program.load", .axes = names};
+        call.lines = draw_program(random, client, module);
+        params = place;
+        params["program"] = tmcl::program::to_hex(call.lines);
+        params["first_address"] = program_place(client);
+        // The first is loaded last, and nothing stands there before.
+        call.lines.push_back({});
+        return call;
+      }
+      case 4:
+      case 5: {
+        WorldCall call{.method = "program.run", .axes = names};
+        call.program = tmcl::Request{module.address.module, tmcl::Command::RUN_APPLICATION, 1, 0,
+                                     program_place(client)};
+        params = place;
+        params["first_address"] = program_place(client);
+        return call;
+      }
+      case 6: params = place; return {random.one_in(2) ? "program.stop" : "program.reset", names};
+      case 7: {
+        params = place;
+        // Of two at once nobody could tell which was sent.
+        if (client != 1) return {"program.status", names};
+        WorldCall call{.method = "program.step", .axes = names};
+        call.program = tmcl::Request{module.address.module, tmcl::Command::STEP_APPLICATION};
+        return call;
+      }
+      default: return raw_program_call(random, client, module, params);
+    }
+  }
+
+  static WorldCall raw_program_call(Random& random, int client, const WorldAxis& module,
+                                    json::object& params) {
+    using tmcl::Command;
+    constexpr std::uint8_t from_address = 1;
+    const bool runs = random.one_in(2);
+    const auto ends = random.one_in(2) ? Command::STOP_APPLICATION : Command::RESET_APPLICATION;
+    auto call = runs ? raw_call(module.name, Command::RUN_APPLICATION, from_address,
+                                program_place(client), params, {})
+                     : raw_call(module.name, ends, 0, 0, params, {});
+    call.axes = names_of(axes_of(module));
+    if (runs) call.program = call.raw;
+    return call;
+  }
+
+  /// Moves its axes together, once or twice.
+  static WorldCall mint(Random& random, int client, json::object& params) {
+    const auto chosen = some_axes(random, 1, 3);
+    WorldCall call{.method = "mint.run", .axes = names_of(chosen)};
+    json::array names;
+    for (const auto& axis : chosen) names.emplace_back(axis.name);
+    std::string text = "SPEED = 40000;\nACCEL = 400000;\n";
+    for (auto groups = random.between(1, 2); groups > 0; --groups) {
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        call.values.push_back(of_client(random.between(-50'000, 50'000), client));
+        text += "MOVEA." + std::to_string(i) + " = " + std::to_string(call.values.back()) + "\n";
+      }
+      text += "GO\n";
+    }
+    params = {{"axes", std::move(names)}, {"text", text}};
+    return call;
   }
 
   static WorldCall coordinate(Random& random, int client, const std::string& axis,
@@ -562,6 +843,11 @@ class World {
   Wire can_;
   Ledger ledger_;
   Feeding feeding_{"field", tmcl::ModuleAddress{4}};
+  Downloads downloads_;
+  Standing standing_;
+  std::size_t programs_run_ = 0;
+  std::size_t unattended_ = 0;
+  bool all_stand_ = false;
   std::shared_ptr<Gateway> gateway_;
   std::optional<tmcl::Request> last_position_;  ///< That the line's module was sent to.
   std::int32_t told_before_ = 0;

@@ -1,0 +1,36 @@
+/// Axes that were stopped, and when they stand at the latest.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "tmcl/clock.hpp"
+
+namespace tmcld::test {
+
+class Standing {
+ public:
+  /// Its module has taken the stop. `count`: how often a program has moved it until then.
+  void begin(const std::string& axis, tmcl::TimePoint at_the_latest, std::int32_t count) {
+    all_[axis] = {at_the_latest, count};
+  }
+  /// It was sent elsewhere since, or stands.
+  void end(const std::string& axis) { all_.erase(axis); }
+  /// Of an axis that has to stand by now.
+  std::optional<std::int32_t> count_of(const std::string& axis, tmcl::TimePoint now) const {
+    const auto found = all_.find(axis);
+    if (found == all_.end() || now < found->second.at_the_latest) return std::nullopt;
+    return found->second.count;
+  }
+
+ private:
+  struct Stopped {
+    tmcl::TimePoint at_the_latest;
+    std::int32_t count;
+  };
+  std::map<std::string, Stopped> all_;
+};
+
+}  // namespace tmcld::test
