@@ -80,7 +80,7 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
   }
   std::cout << runs << " runs: " << requests << " requests on the wires, " << movements
             << " movements, " << done_for_hosts << " requests done for hosts at ports, " << programs
-            << " programs run in modules, by which " << unattended << " axes turned at the end, "
+            << " programs run in modules, and " << unattended << " looks at axes that one turned, "
             << std::chrono::duration_cast<std::chrono::seconds>(lasted).count()
             << " s of virtual time\n";
   EXPECT_GT(cell_count().judgements(), 0U)

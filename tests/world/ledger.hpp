@@ -81,7 +81,7 @@ class Ledger {
   using Number = std::uint64_t;
 
   /// How often a program in its module has moved the motor of an axis.
-  std::function<std::int32_t(const WorldAxis&)> moves_by_program = [](const auto&) { return 0; };
+  std::function<std::int32_t(const WorldAxis&)> moves_by_program{};
 
   /// Just before it is dispatched.
   Number begin(WorldCall call, tmcl::TimePoint now) {
@@ -175,7 +175,9 @@ class Ledger {
     for (const auto& axis : axes_) {
       if (axis.bus != bus || axis.address.module != request.address) continue;
       if (is_stop_of(axis, request)) note_stop(axis.name, now);
+      if (is_stop_of(axis, request)) of_programs_.erase(axis.name);
       if (!moves(request, axis.address.motor)) continue;
+      if (!starts_program(request)) of_programs_.erase(axis.name);
       const auto client = judge(axis.name, request, now);
       note_turning(axis, request, client, now);
       look_at_limits(axis, request);
@@ -208,6 +210,11 @@ class Ledger {
   std::vector<std::string> turning() const { return owners_.turning(); }
   const std::vector<std::string>& complaints() const { return complaints_; }
   std::size_t movements() const { return movements_; }
+  /// Since then nothing else has moved it, or stopped it.
+  bool was_moved_by_program(const std::string& axis) {
+    look_at_programs();
+    return of_programs_.contains(axis);
+  }
 
   // From the manual, and not from the gateway's own table.
   static bool moves(const tmcl::Request& request, std::uint8_t motor) {
@@ -471,10 +478,12 @@ class Ledger {
 
   /// A program that has moved a motor has taken it from who let it turn.
   void look_at_programs() {
+    if (!moves_by_program) return;
     for (const auto& axis : axes_) {
       const auto count = moves_by_program(axis);
-      if (std::exchange(moved_by_program_[axis.name], count) != count)
-        owners_.move_by_program(axis.name);
+      if (std::exchange(programs_moved_[axis.name], count) == count) continue;
+      owners_.move_by_program(axis.name);
+      of_programs_.insert(axis.name);
     }
   }
 
@@ -514,9 +523,10 @@ class Ledger {
   Number last_stale_ = 0;
   std::map<Number, Running> running_;
   std::map<std::string, std::vector<Stop>> stops_;
-  std::map<Number, Stopping> stopping_;                     ///< Calls, each for one axis.
-  std::map<std::string, tmcl::TimePoint> stopped_;          ///< When modules executed a stop last.
-  std::map<std::string, std::int32_t> moved_by_program_{};  ///< How often.
+  std::map<Number, Stopping> stopping_;                   ///< Calls, each for one axis.
+  std::map<std::string, tmcl::TimePoint> stopped_;        ///< When modules executed a stop last.
+  std::map<std::string, std::int32_t> programs_moved_{};  ///< How often.
+  std::set<std::string> of_programs_;                     ///< Axes that a program has moved last.
   std::deque<std::string> history_;  ///< What happened last, for the reader of a complaint.
   std::vector<std::string> complaints_;
   std::size_t movements_ = 0;

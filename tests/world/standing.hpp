@@ -16,6 +16,7 @@ class Standing {
   void begin(const std::string& axis, tmcl::TimePoint at_the_latest, std::int32_t count) {
     all_[axis] = {at_the_latest, count};
   }
+  bool empty() const { return all_.empty(); }
   /// It was sent elsewhere since, or stands.
   void end(const std::string& axis) { all_.erase(axis); }
   /// Of an axis that has to stand by now.

@@ -75,6 +75,8 @@ class World {
       };
     }
     break_line();
+    if (trouble.programs)
+      for (auto* wire : {&serial_, &can_}) deliver_programs(*wire);
     GatewayOptions options;
     options.open_link = [this](const BusConfig& bus) { return wire(bus.name).open(); };
     options.new_epoch = [last = std::int64_t{0}]() mutable { return ++last; };
@@ -129,7 +131,7 @@ class World {
   std::size_t done_for_hosts() const { return done_for_hosts_; }
   /// Programs that were run in modules, or lines of them.
   std::size_t programs_run() const { return programs_run_; }
-  /// Axes that a program let turn when all clients had gone.
+  /// Looks at axes that a program let turn.
   std::size_t unattended() const { return unattended_; }
   std::size_t requests() const { return serial_.requests() + can_.requests(); }
   tmcl::TimePoint now() const { return time_.now(); }
@@ -141,11 +143,13 @@ class World {
   static constexpr int brief_client = 3;
   static constexpr int client_of_hosts = most_clients - 1;
 
-  static std::vector<WorldAxis> axes() {
+  static const std::vector<WorldAxis>& axes() {
     using tmcl::ModuleAddress;
-    return {{"a", "line", {ModuleAddress{1}, 0}},  {"b", "line", {ModuleAddress{1}, 1}},
-            {"c", "line", {ModuleAddress{1}, 2}},  {"d", "field", {ModuleAddress{1}, 0}, 150'000},
-            {"e", "field", {ModuleAddress{3}, 0}}, {"f", "field", {ModuleAddress{4}, 0}}};
+    static const std::vector<WorldAxis> all{
+        {"a", "line", {ModuleAddress{1}, 0}},  {"b", "line", {ModuleAddress{1}, 1}},
+        {"c", "line", {ModuleAddress{1}, 2}},  {"d", "field", {ModuleAddress{1}, 0}, 150'000},
+        {"e", "field", {ModuleAddress{3}, 0}}, {"f", "field", {ModuleAddress{4}, 0}}};
+    return all;
   }
 
   static Config configuration(bool with_limits) {
@@ -295,6 +299,7 @@ class World {
   }
   /// Unless something moves it again.
   void look_at_standing(const Wire& wire, const tmcl::Request& request) {
+    if (standing_.empty()) return;
     for (const auto& axis : axes()) {
       const bool is_its_module = axis.bus == wire.name() && axis.address.module == request.address;
       if (is_its_module && Ledger::moves(request, axis.address.motor)) standing_.end(axis.name);
@@ -343,13 +348,28 @@ class World {
     json::object params{{"axis", axis.name}};
     auto request = request_of({.method = "axis.get_state", .axes = {axis.name}}, std::move(params));
     const auto state = co_await dispatch(gateway_, peer, std::move(request));
-    const bool goes_on =
-        turns_without_end(axis) && moves_by_program(module_of(axis), axis.address.motor) == before;
-    if (!state || !goes_on || state->at("velocity_internal") == 0) co_return;
+    if (state) look_whether_it_is_said(axis.name, before, *state);
+  }
+  /// How often programs have moved it, where one lets it turn.
+  std::optional<std::int32_t> turned_by_program(const std::string& name) {
+    const auto& axis = *std::ranges::find(axes(), name, &WorldAxis::name);
+    if (!trouble_.programs || !ledger_.was_moved_by_program(name) || !turns_without_end(axis))
+      return std::nullopt;
+    return moves_by_program(module_of(axis), axis.address.motor);
+  }
+  /// What a lease or a call has for itself has an owner.
+  void look_whether_it_is_said(const std::string& name, std::int32_t before,
+                               const json::object& state) {
+    const auto of_gateway = gateway_->axes();
+    const auto found =
+        std::ranges::find_if(of_gateway, [&](const auto& axis) { return axis->name() == name; });
+    const bool is_owned = !state.at("owner").is_null() || (*found)->claim_kind() != ClaimKind::none;
+    const bool goes_on = turned_by_program(name) == before && state.at("velocity_internal") != 0;
+    if (is_owned || !goes_on) return;
     ++unattended_;
-    if (state->at("unattended") != true || !state->at("owner").is_null())
-      ledger_.complain("a program turns " + axis.name +
-                       ", and that is not said to be unattended: " + json::serialize(*state));
+    if (state.at("unattended") != true)
+      ledger_.complain("a program turns " + name +
+                       ", and that is not said to be unattended: " + json::serialize(state));
   }
 
   boost::asio::awaitable<void> stop_program_and_motor(std::shared_ptr<WorldPeer> peer,
@@ -527,7 +547,10 @@ class World {
                                          json::object params) {
     auto request = request_of(call, std::move(params));
     const auto number = ledger_.begin(call, now());
+    const auto turning =
+        call.method == "axis.get_state" ? turned_by_program(call.axes.front()) : std::nullopt;
     auto result = co_await dispatch(gateway_, peer, std::move(request));
+    if (turning && result) look_whether_it_is_said(call.axes.front(), *turning, *result);
     if (trouble_.canary == Canary::no_answer) co_await rest(std::chrono::hours(1));
     break_answer(call, result);
     ledger_.end(number, result, now());
@@ -667,6 +690,22 @@ class World {
                        of_client(position / 200, client));
   }
 
+  /// A module has a program for each client from the start; they may load others.
+  void deliver_programs(Wire& wire) {
+    auto random = generator(seed_, "programs of " + wire.name());
+    const auto axis = module_for_programs(wire.name());
+    tmcl::program::Program all;
+    for (int client = 0; client < most_clients; ++client) {
+      all.resize(program_place(client));
+      std::ranges::copy(draw_program(random, client, axis), std::back_inserter(all));
+    }
+    for (const auto& module : wire.bench().modules()) {
+      if (address_of(*module) != axis.address.module) continue;
+      module->eeprom().write_program(tmcl::program::to_bytes(all));
+      module->power_cycle();
+    }
+  }
+
   static WorldCall program_call(Random& random, int client, json::object& params) {
     const auto module = module_for_programs(random.one_in(2) ? "line" : "field");
     const json::object place{{"bus", module.bus}, {"address", number(module.address.module)}};
@@ -681,7 +720,7 @@ class World {
         params = place;
         params["program"] = tmcl::program::to_hex(call.lines);
         params["first_address"] = program_place(client);
-        // The first is loaded last, and nothing stands there before.
+        // The first is loaded last, and nothing stands there meanwhile.
         call.lines.push_back({});
         return call;
       }
@@ -696,9 +735,14 @@ class World {
       }
       case 6: params = place; return {random.one_in(2) ? "program.stop" : "program.reset", names};
       case 7: {
-        params = place;
         // Of two at once nobody could tell which was sent.
-        if (client != 1) return {"program.status", names};
+        if (client != 1) {
+          const auto last = static_cast<std::int64_t>(names.size()) - 1;
+          const auto& axis = names[static_cast<std::size_t>(random.between(0, last))];
+          params["axis"] = axis;
+          return {"axis.get_state", {axis}};
+        }
+        params = place;
         WorldCall call{.method = "program.step", .axes = names};
         call.program = tmcl::Request{module.address.module, tmcl::Command::STEP_APPLICATION};
         return call;
