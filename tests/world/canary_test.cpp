@@ -26,6 +26,8 @@ constexpr Breach breaches[] = {
     {"WhatNobodyOwnsStands", Canary::owner_not_missed, "although its owner is gone"},
     {"WhatAHostHasLeftStands", Canary::host_not_missed, "although its owner is gone"},
     {"NothingIsSentBeyondItsLimits", Canary::no_limits, "is sent beyond its soft limit"},
+    {"AStopThatIsDoneWasExecuted", Canary::unheard_stop, "its module has not executed it"},
+    {"WhatAProgramMovesIsToldToBeUnattended", Canary::program_not_told, "is unattended"},
     {"EverybodyGetsAnAnswer", Canary::no_answer, "a call has no end"},
 };
 
@@ -36,6 +38,7 @@ Trouble trouble_with(Canary canary) {
   if (canary == Canary::forged_fences || canary == Canary::none)
     trouble.faults = {.late = rarely_late};
   trouble.doors = canary == Canary::host_not_missed;
+  trouble.programs = canary == Canary::program_not_told;
   return trouble;
 }
 

@@ -37,6 +37,8 @@ enum class Canary : std::uint8_t {
   no_limits,            ///< The gateway knows of no soft limits.
   no_answer,            ///< A client does not get one.
   host_not_missed,      ///< A port does not see that its host has gone.
+  unheard_stop,         ///< The module does not get it, and it is answered as if done.
+  program_not_told,     ///< An answer does not say that what a program moves is unattended.
 };
 
 struct Trouble {

@@ -566,6 +566,10 @@ class World {
 
   void break_line() {
     if (trouble_.canary == Canary::unheard_movement) serial_.keeps_from_module = is_position;
+    if (trouble_.canary == Canary::unheard_stop)
+      serial_.keeps_from_module = [](const tmcl::Request& request) {
+        return request.command == tmcl::Command::MST;
+      };
     if (trouble_.canary != Canary::swapped_value) return;
     serial_.change = [this](tmcl::Reply& reply) {
       if (reply.command == tmcl::Command::GAP) std::swap(reply.value, told_before_);
@@ -585,6 +589,10 @@ class World {
   void break_answer(const WorldCall& call, Result<json::object>& result) {
     if (trouble_.canary == Canary::wrong_outcome && !result)
       result.error().outcome = tmcl::Outcome::not_sent;
+    if (trouble_.canary == Canary::program_not_told && call.program && result) {
+      result->erase("warnings");
+      (*result)["unattended"] = false;
+    }
     if (trouble_.canary != Canary::movement_after_stop || call.method != "axis.stop") return;
     const auto all = axes();
     const auto axis = std::ranges::find(all, call.axes.front(), &WorldAxis::name);
