@@ -111,8 +111,9 @@ inline bool starts_program(const tmcl::Request& request) {
 /// Which modules record what they are sent.
 class Downloads {
  public:
-  /// What the module has really answered.
-  void on_answer(const std::string& bus, const tmcl::Request& request) {
+  /// What a module that hears is sent, and what it has answered: a line behind its beginning is
+  /// recorded before that is answered.
+  void note(const std::string& bus, const tmcl::Request& request) {
     if (request.command == tmcl::Command::START_DOWNLOAD) open_.insert({bus, request.address});
     if (request.command == tmcl::Command::END_DOWNLOAD) open_.erase({bus, request.address});
   }

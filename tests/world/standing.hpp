@@ -12,9 +12,11 @@ namespace tmcld::test {
 
 class Standing {
  public:
-  /// Its module has taken the stop. `count`: how often a program has moved it until then.
-  void begin(const std::string& axis, tmcl::TimePoint at_the_latest, std::int32_t count) {
-    all_[axis] = {at_the_latest, count};
+  /// A stop goes out. `count`: how often a program has moved it until then.
+  void ask(const std::string& axis, std::int32_t count) { asked_[axis] = count; }
+  /// Its module has taken the stop. A program may have moved it since that went out.
+  void begin(const std::string& axis, tmcl::TimePoint at_the_latest) {
+    all_[axis] = {at_the_latest, asked_[axis]};
   }
   bool empty() const { return all_.empty(); }
   /// It was sent elsewhere since, or stands.
@@ -31,6 +33,7 @@ class Standing {
     tmcl::TimePoint at_the_latest;
     std::int32_t count;
   };
+  std::map<std::string, std::int32_t> asked_;
   std::map<std::string, Stopped> all_;
 };
 

@@ -2,6 +2,7 @@
 /// doubled on their way to the gateway.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <functional>
@@ -23,6 +24,7 @@
 #include "sim/wire/serial_line.hpp"
 #include "support/random.hpp"
 #include "tmcl/link.hpp"
+#include "tmcl/parameter.hpp"
 #include "tmcl/timer.hpp"
 #include "world/trace.hpp"
 
@@ -97,6 +99,13 @@ class Wire {
     scheduler_.touch();
   }
 
+  /// Whether such a module is on, and has started.
+  bool hears(tmcl::ModuleAddress address) const {
+    const auto id = static_cast<std::int32_t>(number(address));
+    return std::ranges::any_of(bench_.modules(), [&](const auto& module) {
+      return module->globals().value(tmcl::global_parameter::can_id) == id && module->hears();
+    });
+  }
   /// Something was done to the modules.
   void touch() { scheduler_.touch(); }
   /// The supply of a module fails now, and is back at once. Who has asked it gets no answer.

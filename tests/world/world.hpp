@@ -62,6 +62,7 @@ class World {
       wire->on_request = [this, wire](const tmcl::Request& request) {
         note_deadman();
         const bool is_recorded = downloads_.records(wire->name(), request);
+        if (wire->hears(request.address)) downloads_.note(wire->name(), request);
         ledger_.on_request(wire->name(), request, time_.now(), is_recorded);
         look_at_standing(*wire, request);
         look_at_feeding(*wire, request);
@@ -70,7 +71,7 @@ class World {
       };
       wire->on_answer = [this, wire](const tmcl::Request& request, std::int32_t value) {
         ledger_.on_answer(wire->name(), request, value, time_.now());
-        downloads_.on_answer(wire->name(), request);
+        downloads_.note(wire->name(), request);
         begin_to_stand(*wire, request);
       };
     }
@@ -293,12 +294,15 @@ class World {
       if (!Ledger::is_stop_of(axis, request)) continue;
       const auto& module = module_of(axis);
       if (module.axis(axis.address.motor).search_step() != 0) continue;
-      standing_.begin(axis.name, now() + 2 * time_to_rest(module, axis.address.motor),
-                      moves_by_program(module, axis.address.motor));
+      standing_.begin(axis.name, now() + 2 * time_to_rest(module, axis.address.motor));
     }
   }
   /// Unless something moves it again.
   void look_at_standing(const Wire& wire, const tmcl::Request& request) {
+    for (const auto& axis : axes())
+      if (axis.bus == wire.name() && axis.address.module == request.address &&
+          Ledger::is_stop_of(axis, request))
+        standing_.ask(axis.name, moves_by_program(module_of(axis), axis.address.motor));
     if (standing_.empty()) return;
     for (const auto& axis : axes()) {
       const bool is_its_module = axis.bus == wire.name() && axis.address.module == request.address;
@@ -363,7 +367,8 @@ class World {
     const auto of_gateway = gateway_->axes();
     const auto found =
         std::ranges::find_if(of_gateway, [&](const auto& axis) { return axis->name() == name; });
-    const bool is_owned = !state.at("owner").is_null() || (*found)->claim_kind() != ClaimKind::none;
+    const bool is_owned =
+        (*found)->holder().client != 0 || (*found)->claim_kind() != ClaimKind::none;
     const bool goes_on = turned_by_program(name) == before && state.at("velocity_internal") != 0;
     if (is_owned || !goes_on) return;
     ++unattended_;
