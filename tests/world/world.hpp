@@ -143,6 +143,7 @@ class World {
   static constexpr int most_clients = 8;
   static constexpr int brief_client = 3;
   static constexpr int client_of_hosts = most_clients - 1;
+  static constexpr int hosts_with_programs = 8;
 
   static const std::vector<WorldAxis>& axes() {
     using tmcl::ModuleAddress;
@@ -436,9 +437,13 @@ class World {
     hosts_ended_ = true;
   }
 
+  /// One that has gone may have asked for the same: their programs stand at other places.
+  int number_of_host() const { return client_of_hosts + visits_ % hosts_with_programs; }
+
   /// It goes in the middle of what it has asked for last.
   boost::asio::awaitable<void> visit(Random& random, std::string bus) {
     const auto host = std::make_shared<WorldHost>(gateway_, bus);
+    ++visits_;
     for (auto left = random.between(0, 15); left > 0 && !has_ended(); --left) {
       co_await rest(std::chrono::microseconds(random.any_size(500'000)));
       if (draws_program(random)) {
@@ -461,7 +466,7 @@ class World {
     const auto last = static_cast<std::int64_t>(on_bus.size()) - 1;
     json::object unused;
     if (draws_program(random))
-      return raw_program_call(random, client_of_hosts, module_for_programs(bus), unused);
+      return raw_program_call(random, number_of_host(), module_for_programs(bus), unused);
     return raw(random, client_of_hosts,
                on_bus[static_cast<std::size_t>(random.between(0, last))].name, unused);
   }
@@ -474,8 +479,8 @@ class World {
     const auto chosen = module_for_programs(bus);
     call.axes = names_of(axes_of(chosen));
     call.client = host->number();
-    const auto place = program_place(client_of_hosts);
-    call.lines = draw_program(random, client_of_hosts, chosen);
+    const auto place = program_place(number_of_host());
+    call.lines = draw_program(random, number_of_host(), chosen);
     const auto lines = call.lines;
     const auto number = ledger_.begin(std::move(call), now());
     const auto module = chosen.address.module;
@@ -708,7 +713,7 @@ class World {
     auto random = generator(seed_, "programs of " + wire.name());
     const auto axis = module_for_programs(wire.name());
     tmcl::program::Program all;
-    for (int client = 0; client < most_clients; ++client) {
+    for (int client = 0; client < client_of_hosts + hosts_with_programs; ++client) {
       all.resize(program_place(client));
       std::ranges::copy(draw_program(random, client, axis), std::back_inserter(all));
     }
@@ -902,6 +907,7 @@ class World {
   Feeding feeding_{"field", tmcl::ModuleAddress{4}};
   Downloads downloads_;
   Standing standing_;
+  int visits_ = 0;  ///< Of hosts.
   std::size_t programs_run_ = 0;
   std::size_t unattended_ = 0;
   bool all_stand_ = false;
