@@ -144,3 +144,6 @@ add_custom_target(package
   WORKING_DIRECTORY ${PROJECT_BINARY_DIR} USES_TERMINAL VERBATIM
   COMMENT "Packing Debian packages into ${PROJECT_BINARY_DIR}/packages")
 add_dependencies(package programs tmcl_shared)
+if(TARGET tmcld-mqtt)
+  add_dependencies(package tmcld-mqtt)
+endif()
