@@ -87,6 +87,11 @@ std::vector<path::DrawnPath::Nearest> nearest_of(path::DrawnPath drawn,
   return nearest;
 }
 
+Result<void> write_picture(const verb::CheckPath& verb, const std::string& picture) {
+  OutputFile svg;
+  return svg.open(verb.svg).and_then([&] { return svg.write(picture); });
+}
+
 Result<void> write_rows(const verb::CheckPath& verb, const plan::Course& course,
                         const plan::path_file::Path& drawn, Output& output) {
   const auto rows =
@@ -134,10 +139,8 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
     drawing.tolerance = verb.tolerance;
     drawing.nearest =
         nearest_of(path::DrawnPath(drawn_path(*text, *source, setup), *planned), curve);
-    OutputFile svg;
-    const auto drawn = svg.open(verb.svg).and_then(
-        [&] { return svg.write(path::to_svg(verb.file, course, curve, drawing)); });
-    if (!drawn) return tl::unexpected(drawn.error());
+    if (auto drawn = write_picture(verb, path::to_svg(verb.file, course, curve, drawing)); !drawn)
+      return tl::unexpected(drawn.error());
   }
   boost::json::array legs;
   std::optional<path::ChipScale> chip;
