@@ -13,6 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = Sentinel::Verdict;
 using tmcl::Duration;
+using tmcl::Outcome;
 using tmcl::TimePoint;
 
 constexpr SentinelConfig tick{SentinelConfig::Kind::tick, 0};
@@ -119,12 +120,12 @@ tmcl::Request sent(tmcl::Command command, std::uint8_t type, std::uint8_t motor,
 class SentinelBySettings : public testing::Test {
  protected:
   SentinelBySettings() { sentinel.note_programs(false); }
-  void send(const tmcl::Request& request, bool done = true) {
+  void send(const tmcl::Request& request, Outcome outcome = Outcome::done) {
     sentinel.note_sending(request);
-    sentinel.note_sent(request, done);
+    sentinel.note_sent(request, outcome);
   }
-  void move(std::uint8_t motor, int target, bool done = true) {
-    send(sent(tmcl::Command::MVP, 0, motor, target), done);
+  void move(std::uint8_t motor, int target, Outcome outcome = Outcome::done) {
+    send(sent(tmcl::Command::MVP, 0, motor, target), outcome);
   }
   Verdict read(std::uint8_t motor, int value) {
     time += 1ms;
@@ -178,16 +179,29 @@ TEST_F(SentinelBySettings, HoldsNothingAgainstATargetThatMayBeZero) {
     EXPECT_EQ(read(1, 0), Verdict::same);
     move(1, 600);
     EXPECT_FALSE(sentinel.watches()) << "which of the two is executed last is not known";
-    sentinel.note_sent(request, true);
+    sentinel.note_sent(request, Outcome::done);
     EXPECT_FALSE(sentinel.watches());
   }
 }
 
+TEST_F(SentinelBySettings, KeepsWhatItKnewOfATargetIfNothingHasReachedTheMotor) {
+  const auto search = sent(tmcl::Command::RFS, 0, 1, 0);
+  move(1, 500);
+  for (const auto outcome : {Outcome::not_sent, Outcome::refused}) {
+    sentinel.note_sending(search);
+    EXPECT_EQ(read(1, 0), Verdict::same) << "it may have begun";
+    sentinel.note_sent(search, outcome);
+    EXPECT_EQ(read(1, 0), Verdict::restarted);
+  }
+  send(search, Outcome::unknown);
+  EXPECT_FALSE(sentinel.watches());
+}
+
 TEST_F(SentinelBySettings, DoesNotCountAMovementThatWasPerhapsNotExecuted) {
-  move(1, 500, false);
+  move(1, 500, Outcome::unknown);
   EXPECT_FALSE(sentinel.watches());
   move(1, 500);
-  move(1, 600, false);
+  move(1, 600, Outcome::unknown);
   EXPECT_EQ(read(1, 0), Verdict::restarted) << "neither is zero";
 }
 
@@ -202,12 +216,27 @@ TEST_F(SentinelBySettings, SaysNothingWhileAProgramMaySendTheMotors) {
   EXPECT_FALSE(sentinel.watches());
 }
 
+TEST_F(SentinelBySettings, SaysNothingOnlyWhileAProgramThatDoesNotBeginIsOnItsWay) {
+  const auto run = sent(tmcl::Command::RUN_APPLICATION, 0, 0, 0);
+  move(1, 500);
+  for (const auto outcome : {Outcome::not_sent, Outcome::refused}) {
+    sentinel.note_sending(run);
+    sentinel.note_sending(run);
+    sentinel.note_sent(run, outcome);
+    EXPECT_FALSE(sentinel.watches()) << "the other one";
+    sentinel.note_sent(run, outcome);
+    EXPECT_TRUE(sentinel.watches());
+  }
+  send(run, Outcome::unknown);
+  EXPECT_FALSE(sentinel.watches());
+}
+
 TEST_F(SentinelBySettings, IsWhatIsLeftOfAModuleWithoutATimer) {
   Sentinel other(tick);
   other.give_up();
   EXPECT_EQ(other.name(), "none");
   other.note_programs(false);
-  other.note_sent(sent(tmcl::Command::MVP, 0, 2, 9), true);
+  other.note_sent(sent(tmcl::Command::MVP, 0, 2, 9), Outcome::done);
   EXPECT_EQ(other.name(), "settings");
   EXPECT_FALSE(other.last()) << "another run of the gateway cannot compare it";
 }

@@ -113,7 +113,9 @@ INSTANTIATE_TEST_SUITE_P(
         // A module had started again, and a late answer from before that said it had not.
         KnownWorld{307012, "20,20,10,1,1,4,39,0,0"},
         // The same of a module that is watched by a target: a late answer to another question.
-        KnownWorld{4850, "20,20,10,1,1,4,31,0,0,1"}));
+        KnownWorld{4850, "20,20,10,1,1,4,31,0,0,1"},
+        // A program that was never started left its module unwatched.
+        KnownWorld{2200, "20,20,10,0,1,4,23,0,0,0,0,1"}));
 
 TEST(WorldTrouble, IsShrunkToWhatMakesAWorldFail) {
   const auto fails_by_late_replies = [](const Trouble& trouble) {

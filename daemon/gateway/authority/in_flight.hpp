@@ -30,14 +30,14 @@ class MoveInFlight {
   }
   void note(const tmcl::Result<tmcl::Answer>& answer) {
     if (auto* module = std::exchange(module_, nullptr))
-      module->note_moved(request_, answer.has_value());
+      module->note_moved(request_, answer ? tmcl::Outcome::done : answer.error().outcome);
   }
 
  private:
   /// Without memory for that a restart of its module is not noticed.
   void note_broken_off() noexcept {
     try {
-      module_->note_moved(request_, false);
+      module_->note_moved(request_, tmcl::Outcome::unknown);
     } catch (...) {  // what ends like this ends for want of memory
     }
   }

@@ -71,7 +71,9 @@ class GatewayModule {
   }
   /// Something that can move its motors is about to go out, and is on its way no more.
   void note_sending(const tmcl::Request& request) { sentinel_.note_sending(request); }
-  void note_moved(const tmcl::Request& request, bool done) { sentinel_.note_sent(request, done); }
+  void note_moved(const tmcl::Request& request, tmcl::Outcome outcome) {
+    sentinel_.note_sent(request, outcome);
+  }
   /// A request may write to it.
   void note_sent(const tmcl::Request& request);
   /// This question of its sentinel was asked along with others.

@@ -1,5 +1,6 @@
 #include "gateway/module/sentinel.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "gateway/authority/motors.hpp"
@@ -51,13 +52,19 @@ std::string Sentinel::name() const {
 
 tmcl::Request Sentinel::question(tmcl::ModuleAddress module) const {
   if (is_by_settings()) {
-    const auto motor = away_.empty() ? std::uint8_t{0} : *away_.begin();
-    return {module, tmcl::Command::GAP, tmcl::axis_parameter::target_position, motor, 0};
+    return {module, tmcl::Command::GAP, tmcl::axis_parameter::target_position,
+            certainly_away().value_or(0), 0};
   }
   const auto bank =
       is_variable() ? tmcl::global_bank::user_variables : tmcl::global_bank::parameters;
   const auto number = is_variable() ? config_.variable : tmcl::global_parameter::tick_timer;
   return {module, tmcl::Command::GGP, number, bank, 0};
+}
+
+std::optional<std::uint8_t> Sentinel::certainly_away() const {
+  const auto found =
+      std::ranges::find_if(away_, [&](auto motor) { return !unsure_.contains(motor); });
+  return found == away_.end() ? std::nullopt : std::optional(*found);
 }
 
 Sentinel::Verdict Sentinel::take(const Reading& reading) {
@@ -92,26 +99,32 @@ void Sentinel::forget() {
 }
 
 void Sentinel::note_sending(const tmcl::Request& request) {
-  if (may_set_any_target(intent_of(request))) starts_program_ = true;
+  if (may_set_any_target(intent_of(request))) ++setting_any_;
   if (aim_of(request) != Aim::unknown) return;
-  for (const auto& axis : motors_of(request)) {
-    away_.erase(axis.motor);
-    unsure_.insert(axis.motor);
-  }
+  for (const auto& axis : motors_of(request)) unsure_.insert(axis.motor);
 }
 
-void Sentinel::note_sent(const tmcl::Request& request, bool done) {
+void Sentinel::note_sent(const tmcl::Request& request, tmcl::Outcome outcome) {
+  using tmcl::Outcome;
+  const bool done = outcome == Outcome::done;
+  const bool may_be_done = done || outcome == Outcome::unknown;
+  if (may_set_any_target(intent_of(request))) {
+    --setting_any_;
+    if (may_be_done) starts_program_ = true;
+  }
   const auto aim = aim_of(request);
   for (const auto& axis : motors_of(request)) {
     const auto unsure = unsure_.find(axis.motor);
     if (aim == Aim::away && done && unsure == unsure_.end()) away_.insert(axis.motor);
-    if (aim == Aim::unknown && unsure != unsure_.end()) unsure_.erase(unsure);
+    if (aim != Aim::unknown) continue;
+    if (unsure != unsure_.end()) unsure_.erase(unsure);
+    if (may_be_done) away_.erase(axis.motor);
   }
 }
 
 Sentinel::Verdict Sentinel::judge(const Reading& reading) const {
   if (is_by_settings()) {
-    const bool was_away = away_.contains(reading.motor);
+    const bool was_away = away_.contains(reading.motor) && !unsure_.contains(reading.motor);
     return was_away && reading.value == 0 ? Verdict::restarted : Verdict::same;
   }
   if (!last_) return Verdict::same;

@@ -27,6 +27,7 @@
 #include "config/config.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
+#include "tmcl/error.hpp"
 #include "tmcl/script.hpp"
 
 namespace tmcld {
@@ -66,7 +67,7 @@ class Sentinel {
   std::string name() const;
   /// False if there is nothing to ask.
   bool watches() const {
-    return is_by_settings() ? starts_program_ == false && !away_.empty() : kind() != Kind::none;
+    return is_by_settings() ? !may_set_targets() && certainly_away() : kind() != Kind::none;
   }
   tmcl::Request question(tmcl::ModuleAddress module) const;
   /// Whether the answer to another question does not fit. A target may be any number.
@@ -104,8 +105,8 @@ class Sentinel {
   void note_programs(bool starts) { starts_program_ = starts; }
   /// Something that can move motors is about to go out.
   void note_sending(const tmcl::Request& request);
-  /// It is on its way no more; `done`: the module has executed it.
-  void note_sent(const tmcl::Request& request, bool done);
+  /// It is on its way no more.
+  void note_sent(const tmcl::Request& request, tmcl::Outcome outcome);
 
  private:
   static constexpr tmcl::Duration moment = std::chrono::milliseconds(20);
@@ -119,6 +120,10 @@ class Sentinel {
   /// It was found to be as it should be when it was asked then, or later.
   bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
   bool is_variable() const { return kind() == Kind::variable; }
+  /// The first motor of which that is certain.
+  std::optional<std::uint8_t> certainly_away() const;
+  /// Another than the gateway: a program, say.
+  bool may_set_targets() const { return starts_program_ != false || setting_any_ > 0; }
   bool is_by_settings() const { return kind() == Kind::settings; }
   Verdict judge(const Reading& reading) const;
 
@@ -129,8 +134,9 @@ class Sentinel {
   bool in_doubt_ = false;
   std::optional<Reading> last_;
   std::optional<bool> starts_program_;
-  std::set<std::uint8_t> away_;         ///< Motors whose target is not 0.
-  std::multiset<std::uint8_t> unsure_;  ///< Something is on its way that may make it 0.
+  std::size_t setting_any_ = 0;  ///< Requests on their way after which anything may set a target.
+  std::set<std::uint8_t> away_;  ///< Motors whose target is not 0 ...
+  std::multiset<std::uint8_t> unsure_;  ///< ... unless what is on its way to them makes it 0.
 };
 
 }  // namespace tmcld
