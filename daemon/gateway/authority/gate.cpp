@@ -320,8 +320,8 @@ tmcl::Script<tmcl::StepResult> Gate::exchange_all(std::vector<tmcl::step::Exchan
   if (exchanges.empty()) co_return std::vector<tmcl::Result<tmcl::Answer>>();
   const auto last = exchanges.back();
   auto* module = last.options.proof == tmcl::Proof::none ? nullptr : watched_module(last);
-  const bool asks_more = module != nullptr && module->sentinel().watches() &&
-                         module->sentinel().is_unmistakable();
+  const bool asks_more =
+      module != nullptr && module->sentinel().watches() && module->sentinel().is_unmistakable();
   if (asks_more) {
     tmcl::CallOptions options;
     options.deadline = last.options.deadline;
