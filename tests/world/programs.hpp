@@ -1,6 +1,6 @@
 /// Programs in modules: what clients load, and what the modules do by them. A program counts in its
-/// module how often it moves a motor, before it does, so that an observer sees whose movement it
-/// is.
+/// module before it moves a motor, so that an observer sees whose movement it is, and after: a stop
+/// may come between its count and its movement.
 #pragma once
 
 #include <algorithm>
@@ -34,10 +34,9 @@ class ProgramText {
   explicit ProgramText(std::uint16_t place) : place_(place) {}
 
   ProgramText& moves(tmcl::Command command, std::uint8_t motor, std::int32_t value) {
-    const auto next = static_cast<std::int32_t>(place_ + lines_.size() + 1);
-    lines_.push_back({tmcl::Command::DJNZ, program_counter, 0, next});
+    counts();
     lines_.push_back({command, tmcl::move_type::absolute, motor, value});
-    return *this;
+    return counts();
   }
   /// Ten milliseconds each.
   ProgramText& waits(std::int32_t ticks) {
@@ -59,6 +58,12 @@ class ProgramText {
   }
 
  private:
+  ProgramText& counts() {
+    const auto next = static_cast<std::int32_t>(place_ + lines_.size() + 1);
+    lines_.push_back({tmcl::Command::DJNZ, program_counter, 0, next});
+    return *this;
+  }
+
   std::uint16_t place_;
   tmcl::program::Program lines_;
 };
