@@ -45,14 +45,14 @@ inline void claim(JudgedCase& it, ClaimKind mover, std::uint64_t call) {
 
 // ---- callers -----------------------------------------------------------------------------------
 
-enum class Caller : std::uint8_t { client, holder, leader, searcher, gateway };
+enum class Asker : std::uint8_t { client, holder, leader, searcher, gateway };
 
 struct KindOfCaller {
   std::string_view name;
   Makes makes;
 };
 
-/// In the order of Caller.
+/// In the order of Asker.
 inline const std::array<KindOfCaller, 5>& callers() {
   static const std::array<KindOfCaller, 5> all{{
       {"a client", [](JudgedCase&) {}},
@@ -69,14 +69,13 @@ inline const std::array<KindOfCaller, 5>& callers() {
   return all;
 }
 
-inline Caller caller_of(const JudgedCase& it) {
-  if (it.permit.number == 0) return Caller::gateway;
+inline Asker caller_of(const JudgedCase& it) {
+  if (it.permit.number == 0) return Asker::gateway;
   const bool has_claim =
       it.state.claimed_for != ClaimKind::none && it.state.claimed_by == it.permit.number;
-  if (has_claim)
-    return it.state.claimed_for == ClaimKind::search ? Caller::searcher : Caller::leader;
+  if (has_claim) return it.state.claimed_for == ClaimKind::search ? Asker::searcher : Asker::leader;
   const bool has_lease = it.state.leased_to != 0 && it.state.leased_to == it.permit.client;
-  return has_lease ? Caller::holder : Caller::client;
+  return has_lease ? Asker::holder : Asker::client;
 }
 
 // ---- what is known of the motor ----------------------------------------------------------------

@@ -25,7 +25,7 @@ namespace tmcld {
 namespace {
 
 using test::all_intents;
-using test::Caller;
+using test::Asker;
 using test::caller_of;
 using test::callers;
 using test::Group;
@@ -116,11 +116,11 @@ TEST(Judge, IsNeverWeakerThanAnyStateByItself) {
 }
 
 /// What docs/SAFETY.md says becomes of a command of which nothing else is known.
-Ruling ruling_by_document(Caller caller, Known known, const Intent& intent) {
+Ruling ruling_by_document(Asker caller, Known known, const Intent& intent) {
   const bool moves = intent.effect == tmcl::Effect::moves;
-  const bool leads = caller == Caller::leader;
-  const bool has_lease = caller == Caller::holder;
-  const bool has_call = caller != Caller::gateway;
+  const bool leads = caller == Asker::leader;
+  const bool has_lease = caller == Asker::holder;
+  const bool has_call = caller != Asker::gateway;
   const auto if_so = [](bool so, Ruling ruling) { return so ? ruling : Ruling::allow; };
   if (intent.effect == tmcl::Effect::reads || is_stop(intent)) return Ruling::allow;
   if (moves && !has_call) return Ruling::refuse;
@@ -136,7 +136,7 @@ Ruling ruling_by_document(Caller caller, Known known, const Intent& intent) {
     case Known::stop_owed: return if_so(moves, Ruling::ask);
     case Known::latched: {
       const bool restarts = intent.motion == tmcl::Motion::restarts;
-      return if_so(moves && !restarts && caller != Caller::searcher, Ruling::refuse);
+      return if_so(moves && !restarts && caller != Asker::searcher, Ruling::refuse);
     }
     case Known::leased_to_other:
     case Known::lease_lost: return if_so(has_call && !leads, Ruling::refuse);
@@ -165,7 +165,7 @@ TEST(Judge, RulesInEachCellAsTheDocumentSays) {
       for (const auto& intent : all_intents()) {
         ++cells;
         EXPECT_EQ(it.verdict(intent).ruling,
-                  ruling_by_document(static_cast<Caller>(caller), state.known, intent))
+                  ruling_by_document(static_cast<Asker>(caller), state.known, intent))
             << test::name_of(kind_of(intent)) << ", by " << callers().at(caller).name << ": "
             << state.name;
       }
@@ -183,7 +183,7 @@ TEST(Judge, ACellIsTakenForWhatItIs) {
       callers().at(caller).makes(it);
       state.makes(it);
       EXPECT_TRUE(state.holds(it)) << state.name;
-      EXPECT_EQ(caller_of(it), static_cast<Caller>(caller)) << state.name;
+      EXPECT_EQ(caller_of(it), static_cast<Asker>(caller)) << state.name;
     }
   }
 }
