@@ -364,7 +364,7 @@ class Ledger {
   }
 
   /// The call that has sent it, of those that may have. Those whose value is known come first:
-  /// others may have sent any. Of several that ask for the same nobody can tell which was sent: one
+  /// others may have sent any. Of several that ask for the same it is not known which was sent: one
   /// that may move the axis, whose client is still there.
   std::optional<Number> sender_of(const std::string& axis, const tmcl::Request& request,
                                   Number after, tmcl::TimePoint now) const {

@@ -372,7 +372,8 @@ class World {
         (*found)->holder().client != 0 || (*found)->claim_kind() != ClaimKind::none;
     const bool goes_on = turned_by_program(name) == before && state.at("velocity_internal") != 0;
     // What says that it turns without end was asked for behind the velocity, and did not come.
-    const bool is_unknown = state.at("age_ms").as_int64() >= 100;
+    constexpr std::int64_t reply_timeout_ms = 100;
+    const bool is_unknown = state.at("age_ms").as_int64() >= reply_timeout_ms;
     if (is_owned || !goes_on || is_unknown) return;
     ++unattended_;
     if (state.at("unattended") != true)
@@ -755,7 +756,7 @@ class World {
       }
       case 6: params = place; return {random.one_in(2) ? "program.stop" : "program.reset", names};
       case 7: {
-        // Of two at once nobody could tell which was sent.
+        // Of two at once it is not known which was sent.
         if (client != 1) {
           const auto last = static_cast<std::int64_t>(names.size()) - 1;
           const auto& axis = names[static_cast<std::size_t>(random.between(0, last))];
