@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "async/gather.hpp"
+#include "gateway/program_end.hpp"
 
 namespace tmcld {
 namespace {
@@ -75,10 +76,60 @@ awaitable<StopReport> stop_one(Target target, std::uint64_t client) {
   co_return report;
 }
 
-awaitable<Reports> stop_each(std::vector<Target> targets, std::uint64_t client) {
+awaitable<Reports> stop_motors(std::vector<Target> targets, std::uint64_t client) {
   std::vector<awaitable<StopReport>> stops;
   for (auto& target : targets) stops.push_back(stop_one(std::move(target), client));
   auto reports = co_await gather(std::move(stops));
+  co_return reports;
+}
+
+// ---- programs of modules ------------------------------------------------------------------------
+
+StoppedModule module_of(const std::vector<Target>& targets, const Reports& reports) {
+  StoppedModule module{targets.front().bus, targets.front().motor.module};
+  for (const auto& target : targets) module.motors.push_back(target.motor);
+  module.has_answered = std::ranges::any_of(reports, [](const StopReport& report) {
+    return report.result || report.result.error().outcome == tmcl::Outcome::refused;
+  });
+  return module;
+}
+
+/// Motors of one module. Those that its program may move again count as not stopped.
+awaitable<Reports> keep_stopped(std::vector<Target> targets, Reports reports,
+                                std::uint64_t client) {
+  const auto ended = co_await end_program(module_of(targets, reports), client);
+  if (!ended) {
+    for (auto& report : reports)
+      if (report.result) report.result = tl::unexpected(ended.error());
+  } else if (*ended) {
+    auto again = co_await stop_motors(std::move(targets), client);
+    for (std::size_t i = 0; i < again.size(); ++i) reports[i].result = std::move(again[i].result);
+  }
+  co_return reports;
+}
+
+/// The motors, and then what could move them again.
+awaitable<Reports> stop_each(std::vector<Target> targets, std::uint64_t client) {
+  auto reports = co_await stop_motors(targets, client);
+  std::map<tmcl::ModuleAddress, std::vector<std::size_t>> modules;
+  for (std::size_t place = 0; place < targets.size(); ++place)
+    modules[targets[place].motor.module].push_back(place);
+  std::vector<awaitable<Reports>> ends;
+  for (const auto& [module, places] : modules) {
+    std::vector<Target> of_module;
+    Reports stopped;
+    for (const auto place : places) {
+      of_module.push_back(targets[place]);
+      stopped.push_back(reports[place]);
+    }
+    ends.push_back(keep_stopped(std::move(of_module), std::move(stopped), client));
+  }
+  auto ended = co_await gather(std::move(ends));
+  auto of_module = ended.begin();
+  for (const auto& [module, places] : modules) {
+    auto report = of_module++->begin();
+    for (const auto place : places) reports[place] = std::move(*report++);
+  }
   co_return reports;
 }
 
@@ -102,7 +153,7 @@ awaitable<Reports> stop_bus(std::vector<Target> targets, std::uint64_t client) {
   const std::vector<Target> last(first_delaying, targets.end());
   auto reports = co_await stop_each(first, client);
   auto late = co_await stop_each(last, client);
-  // A vector that grows would copy them: see copy_of().
+  // A vector that grows would copy them.
   Reports in_place(targets.size());
   auto target = targets.begin();
   for (auto* part : {&reports, &late})

@@ -28,6 +28,7 @@ constexpr Breach breaches[] = {
     {"NothingIsSentBeyondItsLimits", Canary::no_limits, "is sent beyond its soft limit"},
     {"AStopThatIsDoneWasExecuted", Canary::unheard_stop, "its module has not executed it"},
     {"WhatAProgramMovesIsToldToBeUnattended", Canary::program_not_told, "is unattended"},
+    {"AStopOfAllEndsPrograms", Canary::program_not_ended, "goes on after system.stop_all"},
     {"EverybodyGetsAnAnswer", Canary::no_answer, "a call has no end"},
 };
 
@@ -38,7 +39,7 @@ Trouble trouble_with(Canary canary) {
   if (canary == Canary::forged_fences || canary == Canary::none)
     trouble.faults = {.late = rarely_late};
   trouble.doors = canary == Canary::host_not_missed;
-  trouble.programs = canary == Canary::program_not_told;
+  trouble.programs = canary == Canary::program_not_told || canary == Canary::program_not_ended;
   return trouble;
 }
 

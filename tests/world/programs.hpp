@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
 
 #include "sim/module/module.hpp"
 #include "support/random.hpp"
+#include "tmcl/clock.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/program.hpp"
@@ -132,6 +134,33 @@ class Downloads {
 
  private:
   std::set<std::pair<std::string, tmcl::ModuleAddress>> open_;
+};
+
+/// Modules whose programs a stop of everything has ended: they move no motor any more.
+class EndedPrograms {
+ public:
+  using Place = std::pair<std::string, tmcl::ModuleAddress>;
+
+  /// One is started, or the module starts again.
+  void on_start(const Place& place, tmcl::TimePoint now) {
+    started_[place] = now;
+    counts_.erase(place);
+  }
+  /// A stop that was asked for then is done. `count`: of what programs have moved until now.
+  void on_stop_of_all(const Place& place, tmcl::TimePoint called, std::int32_t count) {
+    const auto started = started_.find(place);
+    if (started == started_.end() || started->second < called) counts_[place] = count;
+  }
+  bool go_on(const Place& place, std::int32_t count) {
+    const auto found = counts_.find(place);
+    if (found == counts_.end() || found->second == count) return false;
+    counts_.erase(found);
+    return true;
+  }
+
+ private:
+  std::map<Place, tmcl::TimePoint> started_;
+  std::map<Place, std::int32_t> counts_;
 };
 
 }  // namespace tmcld::test

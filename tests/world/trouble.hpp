@@ -39,6 +39,7 @@ enum class Canary : std::uint8_t {
   host_not_missed,      ///< A port does not see that its host has gone.
   unheard_stop,         ///< The module does not get it, and it is answered as if done.
   program_not_told,     ///< An answer does not say that what a program moves is unattended.
+  program_not_ended,    ///< A module does not get the end of its program; it is answered as done.
 };
 
 struct Trouble {

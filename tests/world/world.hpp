@@ -63,6 +63,9 @@ class World {
         note_deadman();
         const bool is_recorded = downloads_.records(wire->name(), request);
         if (wire->hears(request.address)) downloads_.note(wire->name(), request);
+        look_at_ended_programs(*wire);
+        if (starts_program(request))
+          ended_programs_.on_start({wire->name(), request.address}, time_.now());
         ledger_.on_request(wire->name(), request, time_.now(), is_recorded);
         look_at_standing(*wire, request);
         look_at_feeding(*wire, request);
@@ -286,6 +289,23 @@ class World {
     const bool by_velocity = may_turn_in(*mode, *motor.get(mode->number)) &&
                              *motor.get(tmcl::axis_parameter::target_velocity) != 0;
     return by_velocity && turns(axis) && motor.search_step() == 0;
+  }
+
+  void look_at_ended_programs(const Wire& wire) {
+    for (const auto& axis : axes()) {
+      if (axis.bus != wire.name()) continue;
+      const auto count = moves_by_program(module_of(axis), axis.address.motor);
+      if (ended_programs_.go_on({axis.bus, axis.address.module}, count))
+        ledger_.complain("the program of " + axis.name + " goes on after system.stop_all");
+    }
+  }
+  void note_ended_programs(tmcl::TimePoint called, const json::object& stopped) {
+    if (!values_are_right(trouble_.faults)) return;
+    for (const auto& axis : axes()) {
+      const auto count = moves_by_program(module_of(axis), axis.address.motor);
+      if (json::serialize(stopped.at("failed")).find('"' + axis.name + '"') == std::string::npos)
+        ended_programs_.on_stop_of_all({axis.bus, axis.address.module}, called, count);
+    }
   }
 
   /// Its module has taken a stop: from then on it comes to rest.
@@ -537,6 +557,7 @@ class World {
       ledger_.on_restart(wire.name(), address, now(), watched_by);
       if (feeding_.is_of(wire.name(), address)) feeding_.on_pause(now());
       downloads_.on_restart(wire.name(), address);
+      ended_programs_.on_start({wire.name(), address}, now());
       for (const auto& axis : axes())
         if (axis.bus == wire.name() && axis.address.module == address) standing_.end(axis.name);
       wire.power_cycle(module, address);
@@ -559,11 +580,13 @@ class World {
   boost::asio::awaitable<void> carry_out(std::shared_ptr<WorldPeer> peer, WorldCall call,
                                          json::object params) {
     auto request = request_of(call, std::move(params));
-    const auto number = ledger_.begin(call, now());
+    const auto called = now();
+    const auto number = ledger_.begin(call, called);
     const auto turning =
         call.method == "axis.get_state" ? turned_by_program(call.axes.front()) : std::nullopt;
     auto result = co_await dispatch(gateway_, peer, std::move(request));
     if (turning && result) look_whether_it_is_said(call.axes.front(), *turning, *result);
+    if (call.method == "system.stop_all" && result) note_ended_programs(called, *result);
     if (trouble_.canary == Canary::no_answer) co_await rest(std::chrono::hours(1));
     break_answer(call, result);
     ledger_.end(number, result, now());
@@ -582,6 +605,10 @@ class World {
     if (trouble_.canary == Canary::unheard_stop)
       serial_.keeps_from_module = [](const tmcl::Request& request) {
         return request.command == tmcl::Command::MST;
+      };
+    if (trouble_.canary == Canary::program_not_ended)
+      serial_.keeps_from_module = [](const tmcl::Request& request) {
+        return request.command == tmcl::Command::STOP_APPLICATION;
       };
     if (trouble_.canary != Canary::swapped_value) return;
     serial_.change = [this](tmcl::Reply& reply) {
@@ -910,6 +937,7 @@ class World {
   Feeding feeding_{"field", tmcl::ModuleAddress{4}};
   Downloads downloads_;
   Standing standing_;
+  EndedPrograms ended_programs_;
   int visits_ = 0;  ///< Of hosts.
   std::size_t programs_run_ = 0;
   std::size_t unattended_ = 0;

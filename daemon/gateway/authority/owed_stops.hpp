@@ -11,6 +11,7 @@
 
 #include "tmcl/address.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/intent.hpp"
 
 namespace tmcld {
 
@@ -36,11 +37,14 @@ class OwedStops {
       return stop.address == motor.module && stop.motor == motor.motor;
     });
   }
-  /// In the order in which they were asked for.
+  /// In the order in which they were asked for, behind the end of what could move them again.
   std::vector<tmcl::Request> of(tmcl::ModuleAddress module) const {
     std::vector<tmcl::Request> stops;
     std::ranges::copy_if(stops_, std::back_inserter(stops),
                          [&](const tmcl::Request& stop) { return stop.address == module; });
+    std::ranges::stable_partition(stops, [](const tmcl::Request& stop) {
+      return intent_of(stop).motion == tmcl::Motion::ends_program;
+    });
     return stops;
   }
   std::vector<tmcl::ModuleAddress> modules() const {

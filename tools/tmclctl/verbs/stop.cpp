@@ -1,11 +1,13 @@
 // stop.
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 
 #include <fmt/format.h>
 
 #include "axis/arrival_wait.hpp"
 #include "output/print.hpp"
+#include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"
 #include "verbs.hpp"
 
@@ -38,7 +40,8 @@ struct StoppedAxis {
   std::optional<Error> error;
 };
 
-void stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped, Context& context) {
+std::vector<StoppedAxis> stop_motors(const ModuleRow& module, Context& context) {
+  std::vector<StoppedAxis> stopped;
   for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
     StoppedAxis row{axis_name({tmcl::ModuleAddress{module.address}, motor}), {}, {}};
     const auto before = context.host.now();
@@ -51,6 +54,21 @@ void stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped, Con
     }
     stopped.push_back(std::move(row));
   }
+  return stopped;
+}
+
+/// A program that runs in the module is ended behind its motors, which are then stopped once more.
+std::vector<StoppedAxis> stop_module(const ModuleRow& module, Context& context) {
+  auto stopped = stop_motors(module, context);
+  const api::OnModule place{module.bus, module.address};
+  const auto status = context.call(api::program::Status{{place}});
+  const bool has_none = !status && status.error().outcome == tmcl::Outcome::refused;
+  if (has_none || (status && status->state == "stopped")) return stopped;
+  const auto ended = context.call(api::program::Stop{{place}});
+  if (ended) return stop_motors(module, context);
+  for (auto& row : stopped)
+    if (!row.error) row.error = ended.error();
+  return stopped;
 }
 
 Result<std::vector<StoppedAxis>> stop_found(Context& context) {
@@ -60,7 +78,8 @@ Result<std::vector<StoppedAxis>> stop_found(Context& context) {
     const auto found = scan({first, std::min(last, stop_scan_last)}, {}, context);
     if (!found) return tl::unexpected(found.error());
     if (!found->failed.empty()) return tl::unexpected(found->failed.front().error);
-    for (const auto& module : found->modules) stop_motors(module, stopped, context);
+    for (const auto& module : found->modules)
+      std::ranges::move(stop_module(module, context), std::back_inserter(stopped));
   }
   return stopped;
 }
@@ -127,7 +146,8 @@ Ramps down to standstill. A stop goes out before everything else. Through tmcld 
 second that the module has taken it; if it cannot, it says so and exits with 3 (nothing was sent) or 4
 (it is not known). That is no emergency stop: such a one cuts the power.
 --all, or 'all' where no axis is called so, stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to
-255 and stops each as soon as it is found.
+255 and stops each as soon as it is found. It also ends programs that modules run, which could move their motors again; a stop of one axis
+does not.
 
   tmclctl stop x
   tmclctl stop --all
