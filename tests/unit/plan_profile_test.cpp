@@ -212,6 +212,25 @@ TEST(PlanProfile, PositionAndSpeedOverTime) {
   EXPECT_EQ(profile.speed_at(2), 0);
 }
 
+/// Accel = Sp / Ta, Decel = Sp / Td, and the distance is the area: here of ten thousand strips.
+TEST(PlanProfile, RatesAreSpeedOverTimeAndTheDistanceIsTheArea) {
+  for (const double up : {0.1, 0.5, 2.0}) {
+    for (const double down : {0.2, 0.5}) {
+      const auto solved = solve(
+          given({{speed, 8}, {acceleration_time, up}, {deceleration_time, down}, {total_time, 4}}));
+      ASSERT_TRUE(solved) << describe(solved.error());
+      EXPECT_NEAR(solved->acceleration, 8 / up, 1e-9);
+      EXPECT_NEAR(solved->deceleration, 8 / down, 1e-9);
+      constexpr int strips = 10'000;
+      constexpr double width = 4.0 / strips;
+      double area = 0;
+      for (int i = 0; i < strips; ++i) area += width * solved->speed_at((i + 0.5) * width);
+      EXPECT_NEAR(solved->distance, area, 1e-4);
+      EXPECT_NEAR(area, 8 * (4 - (up + down) / 2), 1e-4);
+    }
+  }
+}
+
 // v = u + a t = 2 + 3 * 4; s = (u + v) t / 2 = 32; and v^2 = u^2 + 2 a s: 196 = 4 + 2 * 3 * 32.
 TEST(PlanProfile, ARampFromASpeedObeysTheEquationsOfConstantAcceleration) {
   const auto solved = solve(given({{initial_speed, 2},

@@ -109,6 +109,22 @@ TEST(SixPoint, TakesTheTimesOfTheTrapezoid) {
   EXPECT_NEAR(arrival_time(axis), 2.73215, 10 * tick_seconds);
 }
 
+/// Figure 2 of AN-035: t2 - t1 from VSTART to VMAX, t4 - t3 from there to VSTOP.
+TEST(SixPoint, TakesTheTimesBetweenItsStartAndStopVelocity) {
+  for (const double vstart : {100.0, 20'000.0, 60'000.0}) {
+    for (const double vstop : {vstart, 70'000.0}) {
+      const auto axis = axis_of_an035(vstart, vstop, 512'000);
+      const auto parts = parts_of(axis);
+      ASSERT_EQ(phases_of(axis), (std::vector<std::string>{"AMAX", "VMAX", "DMAX", "rest"}));
+      const double vmax = pps(axis.read(Register::vmax));
+      const double a = 349'246;
+      const double bound = 20 * tick_seconds;
+      EXPECT_NEAR(parts[1].begin, (vmax - vstart) / a, bound);
+      EXPECT_NEAR(parts[3].begin - parts[2].begin, (vmax - vstop) / a, bound);
+    }
+  }
+}
+
 TEST(SixPoint, TakesTheTimesOfTheTriangle) {
   // 18,688 pps at its peak, which lies in the middle.
   const auto axis = axis_of_an035(0, 10, 1'000);

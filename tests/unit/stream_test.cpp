@@ -754,6 +754,23 @@ TEST(Stream, WritesOnlyWhatChanges) {
   EXPECT_GT(last.size(), 8U);
 }
 
+/// Figures 4 and 5 of AN-035: by velocities the host shapes each ramp, by positions the module does.
+TEST(Stream, ControlsByVelocitiesOrByPositions) {
+  const auto writes = [](StreamMode mode, std::uint8_t parameter) {
+    Bench bench;
+    set_limits(bench);
+    EXPECT_FALSE(bench.pass(square(), mode).fault);
+    return std::ranges::count_if(bench.commands, [&](const DriveCommand& command) {
+      return command.kind == Kind::set && command.parameter == parameter;
+    });
+  };
+  constexpr std::ptrdiff_t legs = 4;
+  EXPECT_GT(writes(StreamMode::velocity, ap::max_velocity), 20 * legs);
+  EXPECT_LE(writes(StreamMode::position, ap::max_velocity), 3 * legs);
+  EXPECT_GE(writes(StreamMode::position, ap::target_position), legs);
+  EXPECT_LE(writes(StreamMode::position, ap::target_position), 3 * legs);
+}
+
 TEST_P(EachMode, ThereIsOneAccelerationMeanwhile) {
   bench.every_ms = [&] {
     if (!bench.moving() || bench.stream().phase() != PathStream::Phase::running) return;

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace tmcl::ramp {
 namespace {
@@ -259,6 +262,32 @@ TEST(Tmc457, TakesANewAccelerationInMotion) {
   EXPECT_EQ(axis.read(R::a_max_d_max), 10'000);
   axis.advance_to(arrival(axis, forever).value());
   EXPECT_EQ(axis.motion().position, 1'000'000);
+}
+
+/// In each part of a move; what a part does not depend on may stay as it was.
+TEST(Tmc457, TakesEachOfItsParametersInMotion) {
+  const std::vector<std::tuple<R, std::int64_t, std::vector<std::string>>> writes{
+      {R::a_max, 12'000, {"I", "II"}},
+      {R::d_max, 12'000, {"I", "II", "III", "IV", "V"}},
+      {R::bow_max, 10, {"I", "II", "III", "IV", "V"}},
+      {R::v_max, 4'000'000, {"I", "II", "III", "IV"}},
+      {R::x_target, 300'000, {"I", "II", "III", "IV", "V", "VI", "VII"}}};
+  for (const auto& [name, value, phases] : writes) {
+    auto axis = axis_with({.a_max = 20'000, .d_max = 20'000});
+    write(axis, R::x_target, 200'000);
+    const auto unchanged = arrival(axis, forever).value();
+    for (; !axis.settled(); axis.advance_to(axis.next_change())) {
+      if (std::ranges::find(phases, axis.phase()) == phases.end()) break;
+      auto other = axis;
+      other.advance_to((axis.tick() + axis.next_change()) / 2);
+      ASSERT_TRUE(other.write(name, value));
+      const auto there = arrival(other, forever);
+      ASSERT_TRUE(there) << axis.phase();
+      EXPECT_GT(*there, unchanged + ticks(1e-4)) << static_cast<int>(name) << axis.phase();
+      other.advance_to(*there);
+      EXPECT_EQ(other.motion().position, other.read(R::x_target));
+    }
+  }
 }
 
 TEST(Tmc457, LimitsOnlyPositioningToVMax) {
