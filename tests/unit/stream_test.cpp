@@ -269,7 +269,9 @@ std::vector<double> behind_after_slowness() {
   double late = 0;
   std::vector<double> behind;
   bench.every_ms = [&] {
-    if (is_slow() != was_slow) EXPECT_TRUE(go());
+    if (is_slow() != was_slow) {
+      EXPECT_TRUE(go());
+    }
     was_slow = is_slow();
     const double now_s = tmcl::seconds(bench.now().time_since_epoch());
     const double lag = speed * now_s - bench.mm(0);
