@@ -47,6 +47,18 @@ class SimFamilies : public SimTest {
     }
     return all;
   }
+  struct ChipParameter {
+    std::uint8_t parameter, address;
+    std::int32_t value;
+  };
+  void expect_registers(std::uint8_t mode, std::initializer_list<ChipParameter> all) {
+    for (const auto& [parameter, address, value] : all) {
+      // In the mode of velocity nothing else changes the target velocity.
+      EXPECT_EQ(set(mode, 2), Status::ok);
+      EXPECT_EQ(set(parameter, value), Status::ok);
+      EXPECT_EQ(ask(Command::READ_MC, address, 0)->value, value) << int{parameter};
+    }
+  }
   void add_one_of_each() {
     add(1110, 1);
     add(142, 2);
@@ -297,6 +309,46 @@ TEST_F(SimFamilies, ATmc457ChoosesItsModeByCommand) {
   EXPECT_EQ(get(ap::actual_velocity), -77'000);
   EXPECT_EQ(set(128, 1), no_value);
   EXPECT_EQ(get(128), 3);
+}
+
+/// The lists at the end of the note on ramps, with the addresses of the data sheets.
+TEST_F(SimFamilies, ATmc429HasItsRegistersAsParameters) {
+  add(3110);
+  expect_registers(
+      138, {{4, 0x06, 1000}, {2, 0x08, 300}, {0, 0x00, 500}, {1, 0x02, 700}, {5, 0x0C, 900}});
+  ask(Command::ROR, 0, 0, 200);
+  pass(seconds(1));
+  EXPECT_EQ(get(3), 200);
+  EXPECT_EQ(ask(Command::READ_MC, 0x0A, 0)->value, 200);
+}
+
+TEST_F(SimFamilies, ATmc457HasItsRegistersAsParameters) {
+  add(142);
+  expect_registers(128, {{4, 0x03, 1000},
+                         {2, 0x04, 300},
+                         {16, 0x05, 900},
+                         {17, 0x06, 800},
+                         {15, 0x07, 700},
+                         {18, 0x08, 9},
+                         {0, 0x09, 500},
+                         {1, 0x01, 600}});
+}
+
+TEST_F(SimFamilies, ATmc429ChoosesItsModeByCommand) {
+  add(3110);
+  constexpr std::uint8_t mode = 138;
+  ask(Command::ROR, 0, 0, 300);
+  EXPECT_EQ(get(mode), 2);
+  EXPECT_EQ(get(2), 300);
+  ask(Command::MVP, 0, 0, 20'000);
+  EXPECT_EQ(get(mode), 0);
+  ask(Command::ROL, 0, 0, 300);
+  EXPECT_EQ(get(mode), 2);
+  EXPECT_EQ(get(2), -300);
+  ask(Command::MVP, 0, 0, 20'000);
+  ask(Command::MST, 0, 0);
+  EXPECT_EQ(get(mode), 2);
+  EXPECT_EQ(get(2), 0);
 }
 
 TEST_F(SimFamilies, ATmc457SetsAccelerationAndDecelerationTogether) {
