@@ -756,7 +756,7 @@ TEST(Stream, WritesOnlyWhatChanges) {
   EXPECT_GT(last.size(), 8U);
 }
 
-/// Figures 4 and 5 of AN-035: by velocities the host shapes each ramp, by positions the module does.
+/// Figures 4 and 5 of AN-035: by velocities the host shapes ramps, by positions the module does.
 TEST(Stream, ControlsByVelocitiesOrByPositions) {
   const auto writes = [](StreamMode mode, std::uint8_t parameter) {
     Bench bench;
