@@ -24,6 +24,7 @@ Notifications::Notifications(std::shared_ptr<Gateway> gateway, std::function<voi
       on_pending_(std::move(on_pending)),
       subscriptions_(on_pending_) {
   event_listener_ = gateway_->on_event([this](const GatewayEvent& event) {
+    if (event.kind == GatewayEvent::Kind::configuration_loaded) subscriptions_.follow(*gateway_);
     if (subscriptions_.size() > 0) push(api::Event::notification, params_of(event));
   });
 }

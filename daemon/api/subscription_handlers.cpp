@@ -104,8 +104,12 @@ Answer<Subscribe> subscribe(Call& call, const Subscribe& params) {
   // Others may have begun meanwhile.
   if (call.peer->subscriptions().size() >= max_subscriptions) co_return tl::unexpected(too_many());
   const std::chrono::milliseconds interval(params.interval_ms.value_or(default_interval_ms));
-  const Subscriptions::Wish wish{interval, parameters, params.every_look.value_or(false)};
-  co_return begin(call.peer->subscriptions(), axes, readings, samples, wish);
+  const Subscriptions::Wish wish{interval, parameters, params.every_look.value_or(false),
+                                 !params.axes};
+  auto begun = begin(call.peer->subscriptions(), axes, readings, samples, wish);
+  // Another configuration may have been loaded meanwhile.
+  call.peer->subscriptions().follow(*call.gateway);
+  co_return begun;
 }
 
 Answer<Unsubscribe> unsubscribe(Call& call, const Unsubscribe& params) {

@@ -33,6 +33,7 @@ class Subscriptions {
     tmcl::Duration interval{};
     std::vector<std::string> parameters{};  ///< By name or number.
     bool every_look = false;                ///< Also those that change nothing.
+    bool all = false;                       ///< Whatever axes the configuration has.
   };
 
   std::size_t size() const { return subscriptions_.size(); }
@@ -41,6 +42,9 @@ class Subscriptions {
   /// False if there is none of that number.
   bool remove(std::uint64_t subscription) { return subscriptions_.erase(subscription) > 0; }
   void clear() { subscriptions_.clear(); }
+  /// Another configuration holds: watches the axes that have the names now. What has gone is not
+  /// watched any more.
+  void follow(Gateway& gateway);
 
   bool has_pending() const;
   /// The parameters of the next notify_state; takes turns between axes.
@@ -49,7 +53,7 @@ class Subscriptions {
  private:
   struct Item {
     std::shared_ptr<GatewayAxis> axis;
-    Wish wish;
+    const Wish* wish = nullptr;  ///< Of its subscription.
     /// Nothing before the first reading: which names there are depends on the model.
     std::optional<std::vector<std::uint8_t>> parameters;
     AxisWatch watch;
@@ -59,15 +63,21 @@ class Subscriptions {
     tmcl::TimePoint offered_at{};
     std::uint64_t dropped = 0;
   };
-  using Items = std::vector<std::unique_ptr<Item>>;
+  struct Watched {
+    Wish wish;
+    std::vector<std::unique_ptr<Item>> items{};
+  };
 
+  void watch(Item& item, std::shared_ptr<GatewayAxis> axis);
+  Item& add_item(Watched& watched, std::shared_ptr<GatewayAxis> axis);
+  void follow(Watched& watched, Gateway& gateway);
   static void sample(Item& item);
   static std::vector<std::int32_t> values_of(const Item& item, const PublishedReading& reading);
   void on_reading(Item& item, const PublishedReading& reading, tmcl::TimePoint tick);
 
   std::function<void()> on_pending_;
   std::uint64_t last_id_ = 0;
-  std::map<std::uint64_t, Items> subscriptions_;
+  std::map<std::uint64_t, Watched> subscriptions_;
   /// Where the search for the next pending state begins, so that none starves.
   std::size_t turn_ = 0;
 };

@@ -238,6 +238,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::module_reset: return "module_reset";
     case GatewayEvent::Kind::module_replaced: return "module_replaced";
     case GatewayEvent::Kind::settings_drift: return "settings_drift";
+    case GatewayEvent::Kind::configuration_loaded: return "configuration_loaded";
   }
   return {};
 }

@@ -41,6 +41,7 @@ struct GatewayEvent {
     module_reset,          ///< A module has started again: its axes are latched.
     module_replaced,       ///< A module is another one than before: its axes are latched.
     settings_drift,        ///< The settings of a module are not as in their file: see reason.
+    configuration_loaded,  ///< Another one holds: axes may be new, others or gone.
   };
   Kind kind;
   std::string bus;

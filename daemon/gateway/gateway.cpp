@@ -133,13 +133,14 @@ std::vector<std::shared_ptr<GatewayBus>> Gateway::changed_by(const Config& confi
   return changed;
 }
 
-void Gateway::adopt(const Config& config) {
+void Gateway::adopt(const Config& config, const std::string& words) {
   std::erase_if(retired_, [](const auto& bus) { return !bus->link().is_opening(); });
   const auto closed = changed_by(config);
   const auto is_closed = [&](const GatewayBus& bus) {
     return std::ranges::any_of(closed, [&](const auto& one) { return one.get() == &bus; });
   };
   const auto is_on_closed = [&](const auto& axis) { return is_closed(axis->bus()); };
+  const auto before = axes_;
   configured_axes_ -= static_cast<std::size_t>(std::ranges::count_if(axes(), is_on_closed));
   std::erase_if(axes_, is_on_closed);
   std::erase_if(buses_, [&](const auto& bus) { return is_closed(*bus); });
@@ -158,6 +159,11 @@ void Gateway::adopt(const Config& config) {
   for (const auto& bus : buses_)
     if (std::ranges::find(kept, bus) == kept.end()) bus->start();
   begin_to_watch_for_gaps();
+  for (const auto& axis : before) {
+    const auto next = find_axis(axis->name());
+    if (next && next != axis) next->poller()->count_on_from(*axis->poller());
+  }
+  tell({GatewayEvent::Kind::configuration_loaded, {}, {}, 0, words});
 }
 
 // ---- what has to be put in order if the process ends --------------------------------------------

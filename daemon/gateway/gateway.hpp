@@ -66,7 +66,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::vector<std::shared_ptr<GatewayBus>> changed_by(const Config& config) const;
   /// Closes those, opens the ones that it has in their place or besides, and does from now on as it
   /// says; all other buses go on as they are. Nothing may move on those that are closed.
-  void adopt(const Config& config);
+  void adopt(const Config& config, const std::string& words = {});
   const tmcl::ContextClock& clock() const { return clock_; }
   const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }

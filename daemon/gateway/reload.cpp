@@ -158,7 +158,7 @@ awaitable<tl::expected<std::string, std::string>> reload(std::shared_ptr<Gateway
   }
   if (gateway->is_closing()) co_return tl::unexpected(std::string("tmcld is ending"));
   auto words = in_words(*gateway, config, closed);
-  gateway->adopt(config);
+  gateway->adopt(config, words);
   co_return words;
 }
 

@@ -1,6 +1,9 @@
 // Another configuration for a daemon that runs: all of it, or nothing.
 #include <gmock/gmock.h>
 
+#include <set>
+#include <string>
+
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 
@@ -144,6 +147,51 @@ TEST_F(Reload, RefusesWhatTakesARestart) {
 TEST_F(Reload, TakesOverWhatHoldsForAll) {
   reload(x_and_y(), "moves_need_lease = true\n");
   EXPECT_EQ(error("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}}), "not_permitted");
+}
+
+TEST_F(Reload, GoesOnTellingOfTheAxesThatHaveTheNamesNow) {
+  // By its name, by the address of its motor, and as one of all.
+  const auto by_name = result("subscribe", {{"axes", json::array{"x"}}}).at("subscription");
+  const auto raw = result("subscribe", {{"axes", json::array{"bench:1/2"}}}).at("subscription");
+  const auto begun = result("subscribe", {});
+  const auto of_all = begun.at("subscription");
+  const auto seq = begun.at("states").at(0).at("seq").as_int64();
+  EXPECT_THAT(reload(x_and_y() + axis_section("v", 2) + other_bus), HasSubstr("2 opened anew"));
+  ASSERT_TRUE(daemon_.eventually([&] { return bench()->state() == GatewayBus::State::open; }));
+  for (const auto* axis : {"x", "v"})
+    result("axis.move_to", {{"axis", axis}, {"position_microsteps", 1000}});
+  std::set<std::string> told;
+  const auto name_of = [](const json::value& subscription, const json::value& axis) {
+    return json::serialize(subscription) + json::serialize(axis);
+  };
+  const auto is_told = [&](const json::value& subscription, const char* axis) {
+    return told.contains(name_of(subscription, axis));
+  };
+  for (int i = 0; i < 100; ++i) {
+    const auto state = client_->notification("notify_state");
+    told.insert(name_of(state.at("subscription"), state.at("axis")));
+    if (state.at("axis") == "x") {
+      EXPECT_GT(state.at("seq").as_int64(), seq);
+    }
+    if (is_told(by_name, "x") && is_told(raw, "v") && is_told(of_all, "x") && is_told(of_all, "v"))
+      break;
+  }
+  EXPECT_TRUE(is_told(by_name, "x"));
+  EXPECT_TRUE(is_told(raw, "v"));
+  EXPECT_TRUE(is_told(of_all, "x"));
+  EXPECT_TRUE(is_told(of_all, "v")) << "it was not there when that began";
+  EXPECT_FALSE(is_told(of_all, "u")) << "it is not there any more";
+  for (const auto& subscription : {by_name, raw, of_all})
+    result("unsubscribe", {{"subscription", subscription}});
+}
+
+TEST_F(Reload, IsToldToThoseWhoWatch) {
+  result("subscribe", {{"axes", json::array{"x"}}});
+  const auto words = reload(x_and_y() + other_bus + on_other_bus("u"));
+  const auto event = client_->notification("notify_event");
+  EXPECT_EQ(event.at("kind"), "configuration_loaded");
+  EXPECT_EQ(event.at("text").as_string(), words);
+  EXPECT_EQ(event.at("bus"), "");
 }
 
 TEST_F(Reload, TellsThatABusIsGone) {

@@ -69,6 +69,8 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
   /// Numbers a look that was taken for someone who begins to watch, with what was read beside it.
   PublishedReading number(const AxisReading& reading,
                           const std::vector<ParameterSample>& samples = {});
+  /// Numbers go on behind those of the axis that had the name before.
+  void count_on_from(const AxisPoller& before) { last_.seq = before.last_.seq + 1; }
 
  private:
   friend class AxisWatch;

@@ -57,6 +57,18 @@ std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Meth
   return methods;
 }
 
+std::vector<std::string> names_in(const json::object& listed) {
+  std::vector<std::string> names;
+  for (const auto& axis : api::from_json<api::axis::List::Result>(listed).axes)
+    names.push_back(axis.name);
+  return names;
+}
+
+bool tells_of_configuration(const json::object& event) {
+  const auto* kind = event.if_contains(api::name_of<&api::Event::kind>());
+  return kind != nullptr && *kind == "configuration_loaded";
+}
+
 /// By its effect the call may have been carried out.
 Error answer_too_long() {
   return {"answer_too_long", ErrorKind::failed, tmcl::Outcome::unknown,
@@ -174,8 +186,7 @@ awaitable<Result<void>> Bridge::get_to_know(GatewayLink& link) {
   const auto subscribed = co_await std::move(asking);
   if (!subscribed) co_return tl::unexpected(subscribed.error());
   gate_.know_methods(methods_of(api::from_json<api::rpc::Methods>(*methods)));
-  for (const auto& axis : api::from_json<api::axis::List::Result>(*axes).axes)
-    axes_.push_back(axis.name);
+  axes_ = names_in(*axes);
   if (const auto* states = subscribed->if_contains("states"); states && states->is_array()) {
     for (const auto& state : states->get_array())
       if (state.is_object()) news_.hear(state.get_object(), now());
@@ -183,7 +194,20 @@ awaitable<Result<void>> Bridge::get_to_know(GatewayLink& link) {
   co_return Result<void>();
 }
 
+awaitable<void> Bridge::list_axes(std::shared_ptr<Bridge> self) {
+  const auto link = self->gateway_;
+  if (!link) co_return;
+  auto asking = link->call(api::axis::List::method.name, json::object());
+  const auto axes = co_await std::move(asking);
+  if (!axes || self->gateway_ != link) co_return;
+  self->axes_ = names_in(*axes);
+  self->news_.keep_only(self->axes_);
+  self->say_birth();
+}
+
 void Bridge::hear(std::string_view method, const json::object& params) {
+  if (method == api::Event::notification && tells_of_configuration(params))
+    tmcld::spawn(executor_, list_axes(shared_from_this()));
   if (method != api::NewState::notification) return;
   add_news(news_.hear(params, now()));
   flush(calls_);

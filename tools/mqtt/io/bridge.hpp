@@ -44,6 +44,8 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   boost::asio::awaitable<std::string> use_gateway();
   /// What there is to be asked for and to be told of. Errors: those of tmcld.
   boost::asio::awaitable<tmcl::client::Result<void>> get_to_know(GatewayLink& link);
+  /// The configuration of tmcld is another one.
+  static boost::asio::awaitable<void> list_axes(std::shared_ptr<Bridge> self);
   void hear(std::string_view method, const boost::json::object& params);
   /// A connection to the broker, and what waits for it. Stops have one of their own: what fills
   /// the other one, with calls or with answers, keeps none out.

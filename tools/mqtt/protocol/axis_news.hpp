@@ -2,6 +2,7 @@
 /// one moves, twice a second at most and only while a user wants it. Does no I/O, reads no clock.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,6 +37,11 @@ class AxisNews {
   std::vector<Publication> all_states(tmcl::TimePoint now);
   /// tmcld has gone, or has other axes.
   void forget_axes() { axes_.clear(); }
+  /// The others are not there any more.
+  void keep_only(const std::vector<std::string>& axes) {
+    std::erase_if(axes_,
+                  [&](const auto& axis) { return std::ranges::count(axes, axis.first) == 0; });
+  }
 
  private:
   struct AxisTold {

@@ -21,7 +21,7 @@ namespace api = tmcl::api;
 constexpr auto told_events = std::to_array<std::string_view>(
     {"module_silent", "module_answers", "module_in_bootloader", "module_reset", "module_replaced",
      "settings_drift", "duplicate_address", "owner_lost", "axis_fault", "link_lost",
-     "link_restored", "link_condition"});
+     "link_restored", "link_condition", "configuration_loaded"});
 
 boost::json::array samples_of(const AxisReading& reading) {
   boost::json::array samples;
