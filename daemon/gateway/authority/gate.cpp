@@ -265,18 +265,32 @@ bool Gate::owe_first(tmcl::AnyScript& script) {
 }
 
 Gate::Script<void> Gate::pay_stops(tmcl::ModuleAddress module) {
-  for (const auto& stop : owed_stops_.of(module)) {
+  std::vector<tmcl::Request> paid;
+  const auto stops = owed_stops_.of(module);
+  for (const auto& stop : stops) {
     // Another call may have sent it meanwhile.
     if (!owed_stops_.has(stop)) continue;
-    Conduct conduct;
-    auto answer = co_await send_once({stop, {}}, conduct);
-    if (conduct.owes_stop) {
-      answer.error().outcome = tmcl::Outcome::not_sent;
-      co_return tl::unexpected(std::move(answer.error()));
-    }
-    owed_stops_.remove(stop);
-    if (answer) tell_paid(stop);
+    // The program may have moved its motors since.
+    const bool ends = OwedStops::ends_program(stop);
+    if (ends)
+      for (const auto& motor : paid) owed_stops_.add(motor);
+    co_await must(pay_stop(stop));
+    if (ends)
+      for (const auto& motor : paid) co_await must(pay_stop(motor));
+    paid.push_back(stop);
   }
+  co_return tmcl::Result<void>{};
+}
+
+Gate::Script<void> Gate::pay_stop(tmcl::Request stop) {
+  Conduct conduct;
+  auto answer = co_await send_once({stop, {}}, conduct);
+  if (conduct.owes_stop) {
+    answer.error().outcome = tmcl::Outcome::not_sent;
+    co_return tl::unexpected(std::move(answer.error()));
+  }
+  owed_stops_.remove(stop);
+  if (answer) tell_paid(stop);
   co_return tmcl::Result<void>{};
 }
 

@@ -146,6 +146,7 @@ class Gate {
   /// What a verb that cannot begin would have sent first.
   bool owe_first(tmcl::AnyScript& script);
   Script<void> pay_stops(tmcl::ModuleAddress module);
+  Script<void> pay_stop(tmcl::Request stop);
   static boost::asio::awaitable<void> pay_stops(std::shared_ptr<GatewayBus> bus,
                                                 tmcl::ModuleAddress module);
   void tell_paid(const tmcl::Request& stop);

@@ -37,15 +37,17 @@ class OwedStops {
       return stop.address == motor.module && stop.motor == motor.motor;
     });
   }
-  /// In the order in which they were asked for, behind the end of what could move them again.
+  /// In the order in which they were asked for; the end of a program behind those of motors.
   std::vector<tmcl::Request> of(tmcl::ModuleAddress module) const {
     std::vector<tmcl::Request> stops;
     std::ranges::copy_if(stops_, std::back_inserter(stops),
                          [&](const tmcl::Request& stop) { return stop.address == module; });
-    std::ranges::stable_partition(stops, [](const tmcl::Request& stop) {
-      return intent_of(stop).motion == tmcl::Motion::ends_program;
-    });
+    std::ranges::stable_partition(stops,
+                                  [](const tmcl::Request& stop) { return !ends_program(stop); });
     return stops;
+  }
+  static bool ends_program(const tmcl::Request& stop) {
+    return intent_of(stop).motion == tmcl::Motion::ends_program;
   }
   std::vector<tmcl::ModuleAddress> modules() const {
     std::vector<tmcl::ModuleAddress> modules;
