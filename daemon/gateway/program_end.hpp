@@ -21,7 +21,7 @@ struct StoppedModule {
 
 /// Ends the program of the module, and the searches that it may have begun: true if it may have
 /// run, so that its motors are to be stopped once more. A module that runs none is asked for that
-/// only. What was not answered is owed, with the stops of the motors behind it. `client`: who asks.
+/// only. What was not answered is owed, and the stops of the motors with it. `client`: who asks.
 /// Errors: those of the exchanges.
 boost::asio::awaitable<tmcl::Result<bool>> end_program(StoppedModule module, std::uint64_t client);
 

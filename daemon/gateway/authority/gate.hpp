@@ -145,6 +145,7 @@ class Gate {
 
   /// What a verb that cannot begin would have sent first.
   bool owe_first(tmcl::AnyScript& script);
+  /// The stops of motors first; behind the end of a program once more.
   Script<void> pay_stops(tmcl::ModuleAddress module);
   Script<void> pay_stop(tmcl::Request stop);
   static boost::asio::awaitable<void> pay_stops(std::shared_ptr<GatewayBus> bus,
