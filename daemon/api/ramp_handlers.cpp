@@ -401,7 +401,8 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   }
   const auto motion = twin->motion();
   // Where it is when a command comes could only be guessed.
-  if (motion.velocity.value != 0) co_return not_foreseeable(axis, "it moves already");
+  if (motion.velocity.value != 0 && !params.in_motion.value_or(false))
+    co_return not_foreseeable(axis, "it moves already");
   co_return axis::HeldRamp{std::string(model->name), motion.position.value,
                            view_of(axis.ramp_settings(), axis), view_of(axis.module().traits())};
 }

@@ -274,20 +274,12 @@ describe("the scope", () => {
         }
         return count;
       });
-    // Half a minute, also for a busy machine.
-    await bench.call("parameter.set", { axis: "x", parameter: "max_velocity", value: 300 });
+    await until("rows", async () => (await recorded()).length > 50);
     assert.equal(await differences.count(), 0);
-    // It is asked for its ramp while it stands: what begins before the answer is not foreseen.
-    const isForeseen = () => differences.waitFor({ timeout: 10_000 }).then(() => true, () => false);
-    await until("a move that is foreseen", async () => {
-      await until("rows", async () => (await recorded()).length > 50);
-      await move(page, "x", (await bench.state("x")).position < 20 ? "60" : "-60");
-      await bench.moves("x");
-      if (await isForeseen()) return true;
-      await bench.call("axis.stop", { axis: "x" });
-      await bench.stands("x");
-      return false;
-    });
+    // Half a minute, also for a busy machine. What was set right before the move counts.
+    await bench.call("parameter.set", { axis: "x", parameter: "max_velocity", value: 300 });
+    await bench.call("axis.move_to", { axis: "x", position: 60 });
+    await differences.waitFor();
     await until("a dotted line", async () => (await pieces()) > 15);
     assert.ok((await bench.state("x")).moving, "what is to come is shown before it has come");
     await bench.stands("x");

@@ -176,6 +176,18 @@ TEST_F(DaemonRamp, AsItIsForeseesMovements) {
   EXPECT_THAT(moving.error().message, HasSubstr("it moves already"));
 }
 
+TEST_F(DaemonRamp, IsToldInMotionWhereThatIsWanted) {
+  put(4, 700);
+  const auto at_rest = call("axis.get_ramp", {}).value();
+  ASSERT_TRUE(call("axis.move_to", {{"position_microsteps", 10'000}}));
+  bench.time.run_for(std::chrono::milliseconds(200));
+  const auto in_motion = call("axis.get_ramp", {{"in_motion", true}});
+  ASSERT_TRUE(in_motion) << in_motion.error().message;
+  EXPECT_EQ(in_motion->at("settings"), at_rest.at("settings"));
+  EXPECT_GT(in_motion->at("position_microsteps").as_int64(), 0);
+  EXPECT_LT(in_motion->at("position_microsteps").as_int64(), 10'000);
+}
+
 TEST(DaemonRampOfOthers, IsNotForeseenWhereNobodyHasDescribedIt) {
   JourneyBench bench("TMCM-1111");
   const auto refused = bench.call("axis.get_ramp", {{"axis", "x"}});

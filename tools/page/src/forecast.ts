@@ -3,8 +3,6 @@ import { signal } from "@preact/signals";
 import { call, type StateTold } from "./bench";
 import type { Answer } from "./rpc";
 
-type Ramp = Answer<"axis.get_ramp">;
-
 /** One move of an axis; positions and velocities are as the traces of the axis have them. */
 export interface Forecast {
   axis: string;
@@ -22,21 +20,17 @@ export const isForecasting = signal(true);
 export const forecasts = new Map<string, Forecast>();
 
 const points = 1000;
-// While it stands its settings may change: they are asked for again.
-const askRampEveryMs = 1000;
 
 // The values of a state are read one after the other: it may move already, and have its old target.
 const targetFollowsMs = 500;
 
-interface Known {
+interface Rest {
   state: StateTold;
-  ramp: Ramp | null;
-  askedAt: number;
   /** When it was seen moving, by the clock of tmcld. */
   movesSinceMs: number | null;
 }
 /** Of each axis that stands. */
-const atRest = new Map<string, Known>();
+const atRest = new Map<string, Rest>();
 const targets = new Map<string, number>();
 
 export function forgetForecasts(): void {
@@ -54,35 +48,25 @@ export function followState(state: StateTold, onNew: (forecast: Forecast) => voi
   const known = atRest.get(axis);
   // One that has its target and does not move yet is about to.
   const isAboutToMove = known !== undefined && known.state.target_microsteps !== target && !state.position_reached;
-  if (!state.moving && !isAboutToMove) return rest(state);
+  if (!state.moving && !isAboutToMove) {
+    atRest.set(axis, { state, movesSinceMs: null });
+    return;
+  }
   if (!state.moving || !known) return;
   known.movesSinceMs ??= state.event_time_ms;
   const mayFollow = state.event_time_ms - known.movesSinceMs < targetFollowsMs;
   if (known.state.target_microsteps === target && mayFollow) return;
   atRest.delete(axis);
-  if (known.ramp) void foresee(known.state, state, known.ramp, onNew);
-}
-
-function rest(state: StateTold): void {
-  const known = atRest.get(state.axis);
-  const isSoon = known && performance.now() - known.askedAt < askRampEveryMs;
-  const next: Known = { state, ramp: known?.ramp ?? null, askedAt: isSoon ? known.askedAt : performance.now(), movesSinceMs: null };
-  atRest.set(state.axis, next);
-  if (isSoon) return;
-  call("axis.get_ramp", { axis: state.axis }).then(
-    (ramp) => {
-      const now = atRest.get(state.axis);
-      if (now) now.ramp = ramp;
-    },
-    () => {}, // it has begun to move, or its ramps are not described
-  );
+  void foresee(known.state, state, onNew);
 }
 
 /** The target is another one than that where it stood: otherwise something else turns it. */
-async function foresee(before: StateTold, now: StateTold, ramp: Ramp, onNew: (forecast: Forecast) => void): Promise<void> {
+async function foresee(before: StateTold, now: StateTold, onNew: (forecast: Forecast) => void): Promise<void> {
   const way = now.target_microsteps - before.position_microsteps;
   if (way === 0 || now.target_microsteps === before.target_microsteps) return;
   try {
+    // What was set right before the move counts: it is asked for behind its begin.
+    const ramp = await call("axis.get_ramp", { axis: now.axis, in_motion: true });
     const { curve } = await call("profile.simulate", {
       model: ramp.model,
       parameters: ramp.settings.map((one) => String(one.number)),

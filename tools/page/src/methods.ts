@@ -1265,16 +1265,18 @@ export interface Methods {
       remarks: string[];
     };
   };
-  /** what its movements can be foreseen from; of an axis that stands */
+  /** what its movements can be foreseen from */
   "axis.get_ramp": {
     params: {
       /** name of the axis */
       axis: string;
+      /** true: answer also while it moves */
+      in_motion?: boolean;
     };
     result: {
       /** model of its module */
       model: string;
-      /** where it stands */
+      /** where it stands; with `in_motion`, where it was a moment ago */
       position_microsteps: number;
       /** every parameter that makes a difference to its ramps, in the order in which to give them to its twin */
       settings: {

@@ -1002,7 +1002,7 @@ class AxisGetRampTraits(Record):
 class AxisGetRamp(Record):
     #: model of its module
     model: str = ""
-    #: where it stands
+    #: where it stands; with `in_motion`, where it was a moment ago
     position_microsteps: int = 0
     #: every parameter that makes a difference to its ramps, in the order in which to give them
     #: to its twin
@@ -2308,9 +2308,14 @@ class Methods:
         by notify_progress."""
         return MintRun.of(self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
 
-    def axis_get_ramp(self, axis: str) -> AxisGetRamp:
-        """`axis.get_ramp` what its movements can be foreseen from; of an axis that stands."""
-        return AxisGetRamp.of(self._call("axis.get_ramp", {"axis": axis}))
+    def axis_get_ramp(
+        self,
+        axis: str,
+        *,
+        in_motion: bool | None = None,
+    ) -> AxisGetRamp:
+        """`axis.get_ramp` what its movements can be foreseen from."""
+        return AxisGetRamp.of(self._call("axis.get_ramp", {"axis": axis, "in_motion": in_motion}))
 
     def axis_plan_ramp(
         self,
@@ -3388,9 +3393,14 @@ class AsyncMethods:
         by notify_progress."""
         return MintRun.of(await self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
 
-    async def axis_get_ramp(self, axis: str) -> AxisGetRamp:
-        """`axis.get_ramp` what its movements can be foreseen from; of an axis that stands."""
-        return AxisGetRamp.of(await self._call("axis.get_ramp", {"axis": axis}))
+    async def axis_get_ramp(
+        self,
+        axis: str,
+        *,
+        in_motion: bool | None = None,
+    ) -> AxisGetRamp:
+        """`axis.get_ramp` what its movements can be foreseen from."""
+        return AxisGetRamp.of(await self._call("axis.get_ramp", {"axis": axis, "in_motion": in_motion}))
 
     async def axis_plan_ramp(
         self,

@@ -290,16 +290,17 @@ struct ModuleTrait {
 struct HeldRamp {
   TMCL_STRUCT(HeldRamp);
   TMCL_FIELD(std::string, model, "model of its module");
-  TMCL_FIELD(std::int32_t, position_microsteps, "where it stands");
+  TMCL_FIELD(std::int32_t, position_microsteps,
+             "where it stands; with `in_motion`, where it was a moment ago");
   TMCL_FIELD(std::vector<RampSetting>, settings,
              "every parameter that makes a difference to its ramps, in the order in which to give "
              "them to its twin");
   TMCL_FIELD(std::vector<ModuleTrait>, traits, "what the configuration says of its module");
 };
 struct GetRamp {
-  TMCL_METHOD("axis.get_ramp", reads, HeldRamp,
-              "what its movements can be foreseen from; of an axis that stands", GetRamp);
+  TMCL_METHOD("axis.get_ramp", reads, HeldRamp, "what its movements can be foreseen from", GetRamp);
   TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<bool>, in_motion, "true: answer also while it moves");
 };
 
 // ---- what it does, and what it counts in ----
