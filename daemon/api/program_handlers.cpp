@@ -3,6 +3,7 @@
 #include "api/journey.hpp"
 #include "api/module_choice.hpp"
 #include "gateway/authority/reach.hpp"
+#include "gateway/program_end.hpp"
 #include "tmcl/assembler.hpp"
 
 namespace tmcld::handlers {
@@ -126,27 +127,31 @@ std::function<bool(std::uint32_t)> progress_of_steps(const Call& call, const Mod
 }
 
 /// All that the module has, whether an axis is configured for them or not.
-Task<Nothing> stop_motors(const Call& call, const ModuleChoice& module) {
+std::vector<tmcl::AxisAddress> motors_of(const ModuleChoice& module) {
   const auto* known = module.bus->find_module(module.address);
   const auto* model = known == nullptr ? nullptr : known->model();
-  const int motors = model == nullptr ? 1 : model->axes;
-  for (int motor = 0; motor < motors; ++motor) {
-    const tmcl::AxisAddress address{module.address, static_cast<std::uint8_t>(motor)};
-    if (const auto axis = call.gateway->find_axis(*module.bus, address)) {
-      co_await axis->stop();
-    } else {
-      co_await module.bus->run(tmcl::verbs::stop(address), asked_by(call.permit.client));
-    }
-  }
-  co_return Nothing{};
+  const int count = model == nullptr ? 1 : model->axes;
+  std::vector<tmcl::AxisAddress> motors;
+  for (int motor = 0; motor < count; ++motor)
+    motors.push_back({module.address, static_cast<std::uint8_t>(motor)});
+  return motors;
 }
 
 /// A client that has gone sees nothing any more of what it has let move.
 Task<Nothing> end_for_gone_client(const Call& call, const ModuleChoice& module) {
   const StopInProgress in_progress(call.gateway);
-  co_await module.bus->run(tmcl::verbs::stop_program(module.address), asked_by(call.permit.client));
-  auto stopped = co_await stop_motors(call, module);
-  co_return stopped;
+  const auto client = call.permit.client;
+  const auto motors = motors_of(module);
+  StoppedModule stepped{module.bus, module.address, motors, true};
+  co_await end_program(std::move(stepped), client);
+  for (const auto motor : motors) {
+    if (const auto axis = call.gateway->find_axis(*module.bus, motor)) {
+      co_await axis->stop();
+    } else {
+      co_await module.bus->run(tmcl::verbs::stop(motor), asked_by(client));
+    }
+  }
+  co_return Nothing{};
 }
 
 }  // namespace

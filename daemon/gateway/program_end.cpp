@@ -19,11 +19,10 @@ bool is_refused(const tmcl::Result<T>& result) {
 /// same question may be from before the program began.
 tmcl::Script<tmcl::Result<bool>> ask_whether_program_runs(tmcl::ModuleAddress module) {
   constexpr auto status = tmcl::global_parameter::application_status;
-  tmcl::step::Exchange question{{module, tmcl::Command::GGP, status, 0, 0}, {}};
-  question.options.proof = tmcl::Proof::followed;
-  std::vector<tmcl::step::Exchange> questions{question};
-  const auto answers = co_await tmcl::exchange_all(std::move(questions));
-  const auto& answer = answers.front();
+  const tmcl::Request question{module, tmcl::Command::GGP, status, 0, 0};
+  tmcl::CallOptions options;
+  options.proof = tmcl::Proof::followed;
+  const auto answer = co_await tmcl::exchange(question, options);
   if (answer) co_return answer->reply.value != 0;
   if (answer.error().outcome == tmcl::Outcome::refused) co_return false;
   co_return tl::unexpected(answer.error());

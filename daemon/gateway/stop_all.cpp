@@ -76,61 +76,61 @@ awaitable<StopReport> stop_one(Target target, std::uint64_t client) {
   co_return report;
 }
 
-awaitable<Reports> stop_motors(std::vector<Target> targets, std::uint64_t client) {
+struct Stopped {
+  Target target;
+  StopReport report{};
+};
+
+awaitable<std::vector<Stopped>> stop_motors(std::vector<Target> targets, std::uint64_t client) {
   std::vector<awaitable<StopReport>> stops;
-  for (auto& target : targets) stops.push_back(stop_one(std::move(target), client));
+  for (const auto& target : targets) stops.push_back(stop_one(target, client));
   auto reports = co_await gather(std::move(stops));
-  co_return reports;
+  std::vector<Stopped> stopped;
+  for (std::size_t i = 0; i < targets.size(); ++i)
+    stopped.push_back({std::move(targets[i]), std::move(reports[i])});
+  co_return stopped;
 }
 
 // ---- programs of modules ------------------------------------------------------------------------
 
-StoppedModule module_of(const std::vector<Target>& targets, const Reports& reports) {
-  StoppedModule module{targets.front().bus, targets.front().motor.module};
-  for (const auto& target : targets) module.motors.push_back(target.motor);
-  module.has_answered = std::ranges::any_of(reports, [](const StopReport& report) {
-    return report.result || report.result.error().outcome == tmcl::Outcome::refused;
-  });
+StoppedModule module_of(const std::vector<Stopped>& motors) {
+  const auto& first = motors.front().target;
+  StoppedModule module{first.bus, first.motor.module};
+  for (const auto& one : motors) {
+    module.motors.push_back(one.target.motor);
+    const auto& result = one.report.result;
+    if (result || result.error().outcome == tmcl::Outcome::refused) module.has_answered = true;
+  }
   return module;
 }
 
 /// Motors of one module. Those that its program may move again count as not stopped.
-awaitable<Reports> keep_stopped(std::vector<Target> targets, Reports reports,
-                                std::uint64_t client) {
-  const auto ended = co_await end_program(module_of(targets, reports), client);
+awaitable<std::vector<Stopped>> keep_stopped(std::vector<Stopped> motors, std::uint64_t client) {
+  const auto ended = co_await end_program(module_of(motors), client);
   if (!ended) {
-    for (auto& report : reports)
-      if (report.result) report.result = tl::unexpected(ended.error());
+    for (auto& one : motors)
+      if (one.report.result) one.report.result = tl::unexpected(ended.error());
   } else if (*ended) {
+    std::vector<Target> targets;
+    for (const auto& one : motors) targets.push_back(one.target);
     auto again = co_await stop_motors(std::move(targets), client);
-    for (std::size_t i = 0; i < again.size(); ++i) reports[i].result = std::move(again[i].result);
+    for (std::size_t i = 0; i < again.size(); ++i)
+      motors[i].report.result = std::move(again[i].report.result);
   }
-  co_return reports;
+  co_return motors;
 }
 
-/// The motors, and then what could move them again.
-awaitable<Reports> stop_each(std::vector<Target> targets, std::uint64_t client) {
-  auto reports = co_await stop_motors(targets, client);
-  std::map<tmcl::ModuleAddress, std::vector<std::size_t>> modules;
-  for (std::size_t place = 0; place < targets.size(); ++place)
-    modules[targets[place].motor.module].push_back(place);
-  std::vector<awaitable<Reports>> ends;
-  for (const auto& [module, places] : modules) {
-    std::vector<Target> of_module;
-    Reports stopped;
-    for (const auto place : places) {
-      of_module.push_back(targets[place]);
-      stopped.push_back(reports[place]);
-    }
-    ends.push_back(keep_stopped(std::move(of_module), std::move(stopped), client));
-  }
-  auto ended = co_await gather(std::move(ends));
-  auto of_module = ended.begin();
-  for (const auto& [module, places] : modules) {
-    auto report = of_module++->begin();
-    for (const auto place : places) reports[place] = std::move(*report++);
-  }
-  co_return reports;
+/// The motors, and then what could move them again. They come back by modules.
+awaitable<std::vector<Stopped>> stop_each(std::vector<Target> targets, std::uint64_t client) {
+  std::map<tmcl::ModuleAddress, std::vector<Stopped>> modules;
+  auto motors = co_await stop_motors(std::move(targets), client);
+  for (auto& one : motors) modules[one.target.motor.module].push_back(std::move(one));
+  std::vector<awaitable<std::vector<Stopped>>> ends;
+  for (auto& [module, stopped] : modules) ends.push_back(keep_stopped(std::move(stopped), client));
+  const auto kept = co_await gather(std::move(ends));
+  std::vector<Stopped> all;
+  for (const auto& stopped : kept) all.insert(all.end(), stopped.begin(), stopped.end());
+  co_return all;
 }
 
 /// Those that may move first, and modules in turn; behind all others those that delay them.
@@ -151,13 +151,11 @@ awaitable<Reports> stop_bus(std::vector<Target> targets, std::uint64_t client) {
   const auto first_delaying = std::ranges::find_if(targets, delays_others);
   const std::vector<Target> first(targets.begin(), first_delaying);
   const std::vector<Target> last(first_delaying, targets.end());
-  auto reports = co_await stop_each(first, client);
-  auto late = co_await stop_each(last, client);
-  // A vector that grows would copy them.
   Reports in_place(targets.size());
-  auto target = targets.begin();
-  for (auto* part : {&reports, &late})
-    for (auto& report : *part) in_place[(target++)->place] = std::move(report);
+  for (const auto* part : {&first, &last}) {
+    auto stopped = co_await stop_each(*part, client);
+    for (auto& one : stopped) in_place[one.target.place] = std::move(one.report);
+  }
   co_return in_place;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "gateway/authority/search_questions.hpp"
 #include "gateway/bus.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/mechanics.hpp"
@@ -71,10 +72,6 @@ Gate::Script<void> Gate::ask_about(Motors::Judgement it) {
   }
 }
 
-namespace {
-
-/// A status does not say how a search has ended. One that has found its reference has made that
-/// zero, and the axis stands there. Flags tell nothing: a search for a stall ends with one, too.
 std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor) {
   const auto ask = [&](tmcl::Command command, std::uint8_t type) {
     tmcl::step::Exchange question{{motor.module, command, type, motor.motor, 0}, {}};
@@ -86,8 +83,8 @@ std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor
           ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_position)};
 }
 
-}  // namespace
-
+/// A status does not say how a search has ended. One that has found its reference has made that
+/// zero, and the axis stands there. Flags tell nothing: a search for a stall ends with one, too.
 /// A module that cannot tell whether it searches locks no client out.
 Gate::Script<void> Gate::see_search_end(tmcl::AxisAddress motor) {
   const auto claim_owner = motors_.claim_owner_of(motor);

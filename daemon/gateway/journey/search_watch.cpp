@@ -7,9 +7,8 @@
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "gateway/authority/search_questions.hpp"
 #include "gateway/standing_stop.hpp"
-#include "tmcl/command_type.hpp"
-#include "tmcl/parameter_number.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld {
@@ -33,17 +32,8 @@ struct Seen {
 /// Errors: those of the exchanges, but a module that cannot tell whether it searches does.
 tmcl::Script<tmcl::Result<Seen>> look_at_search(tmcl::AxisAddress motor,
                                                 std::optional<tmcl::ModuleUnits> units) {
-  const auto ask = [&](tmcl::Command command, std::uint8_t type) {
-    tmcl::step::Exchange question{{motor.module, command, type, motor.motor, 0}, {}};
-    question.options.proof = tmcl::Proof::followed;
-    return question;
-  };
   const auto begin = co_await tmcl::current_time();
-  std::vector<tmcl::step::Exchange> questions{
-      ask(tmcl::Command::RFS, tmcl::search_type::status),
-      ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_velocity),
-      ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_position)};
-  const auto answers = co_await tmcl::exchange_all(std::move(questions));
+  const auto answers = co_await tmcl::exchange_all(questions_about_search(motor));
   const auto end = co_await tmcl::current_time();
   const auto& status = answers.front();
   if (!status && status.error().outcome != tmcl::Outcome::refused)
