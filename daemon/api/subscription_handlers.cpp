@@ -75,7 +75,7 @@ Subscription begin(Subscriptions& subscriptions, const Axes& axes, const Reading
     auto& start = starts.emplace_back();
     start.axis = axes[i];
     if (readings[i] && samples[i]) {
-      start.reading = axes[i]->poller()->number(*readings[i], *samples[i]);
+      start.reading = axes[i]->poller()->number(*axes[i], *readings[i], *samples[i]);
       Numbers parameters;
       for (const auto& sample : *samples[i]) parameters.push_back(sample.parameter);
       fill(result.states.emplace_back(), *axes[i], *start.reading, parameters);

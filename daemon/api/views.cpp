@@ -3,7 +3,6 @@
 #include <string>
 
 #include "api/can_identifiers.hpp"
-#include "gateway/standing_stop.hpp"
 #include "tmcl/bit_rate.hpp"
 #include "tmcl/quantity.hpp"
 
@@ -66,7 +65,8 @@ api::Sample view_of(const GatewayAxis& axis, const ParameterSample& sample) {
   return out;
 }
 
-void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& reading) {
+void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& reading,
+          const AxisStanding& standing) {
   const auto& state = reading.state;
   out.axis = axis.name();
   out.position_microsteps = state.position.value;
@@ -81,17 +81,16 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
     if (user->velocity) out.velocity = user->velocity->value;
     out.target = user->target.value;
   }
-  out.latched = axis.latched().has_value();
-  out.referenced = axis.is_referenced();
-  if (const auto cause = axis.stop_cause()) out.stop_cause = std::string(name_of(*cause));
-  out.last_stop = axis.last_stop();
   out.age_ms = milliseconds(axis.bus().clock().now() - reading.taken);
-  const auto holder = axis.holder();
-  if (holder.lease != 0) out.lease = holder.lease;
-  out.unattended = axis.is_unattended();
-  out.owner = if_any(holder.name);
-  out.unrestored = view_of(unrestored_of(axis));
-  out.faults = texts(axis.faults());
+  out.latched = standing.is_latched;
+  out.referenced = standing.is_referenced;
+  if (standing.stop_cause) out.stop_cause = std::string(name_of(*standing.stop_cause));
+  out.last_stop = standing.last_stop;
+  if (standing.lease != 0) out.lease = standing.lease;
+  out.unattended = standing.is_unattended;
+  out.owner = if_any(standing.owner);
+  out.unrestored = view_of(standing.unrestored);
+  out.faults = texts(standing.faults);
 }
 
 /// What the module is set to says nothing about what it does.
@@ -138,13 +137,13 @@ std::uint32_t mask_of(const std::vector<std::uint8_t>& motors) {
 
 api::axis::State view_of(const GatewayAxis& axis, const AxisReading& reading) {
   api::axis::State out;
-  fill(out, axis, reading);
+  fill(out, axis, reading, AxisStanding(axis));
   return out;
 }
 
 void fill(api::PublishedState& into, const GatewayAxis& axis, const PublishedReading& reading,
           const std::vector<std::uint8_t>& parameters) {
-  fill(into, axis, reading.reading);
+  fill(into, axis, reading.reading, reading.standing);
   for (const auto number : parameters) {
     const auto read = std::ranges::find(reading.samples, number, &ParameterSample::parameter);
     if (read != reading.samples.end()) into.samples.push_back(view_of(axis, *read));

@@ -15,6 +15,7 @@ struct UnrestoredSetting {
   std::string parameter;
   std::uint8_t number = 0;
   std::int32_t before = 0;
+  bool operator==(const UnrestoredSetting&) const = default;
 };
 
 struct GatewayEvent {

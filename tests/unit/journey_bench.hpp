@@ -43,6 +43,12 @@ class JourneyBench {
         .to_number<std::int64_t>();
   }
   std::int64_t position(std::string_view axis) { return get(axis, 1); }
+  /// What its subscriptions have been told of since this was asked last.
+  std::vector<json::object> states() {
+    std::vector<json::object> told;
+    while (auto state = peer_->subscriptions().take_pending()) told.push_back(std::move(*state));
+    return told;
+  }
   std::vector<tmcl::Request> sent(tmcl::Command command) const {
     std::vector<tmcl::Request> found;
     for (const auto& request : requests)

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "async/spawn.hpp"
+#include "gateway/standing_stop.hpp"
 
 namespace tmcld {
 namespace {
@@ -21,6 +22,19 @@ bool is_same(const AxisReading& one, const AxisReading& other) {
 }
 
 }  // namespace
+
+AxisStanding::AxisStanding(const GatewayAxis& axis)
+    : is_latched(axis.latched().has_value()),
+      is_referenced(axis.is_referenced()),
+      stop_cause(axis.stop_cause()),
+      last_stop(axis.last_stop()),
+      is_unattended(axis.is_unattended()),
+      unrestored(unrestored_of(axis)),
+      faults(axis.faults()) {
+  auto holder = axis.holder();
+  lease = holder.lease;
+  owner = std::move(holder.name);
+}
 
 AxisWatch::~AxisWatch() {
   if (poller_) poller_->remove(id_);
@@ -55,12 +69,14 @@ tmcl::Duration AxisPoller::interval(const GatewayAxis& axis) const {
   return axis.bus().has_paths() ? std::max(shortest, shortest_poll_interval_beside_path) : shortest;
 }
 
-PublishedReading AxisPoller::number(const AxisReading& reading,
+PublishedReading AxisPoller::number(const GatewayAxis& axis, const AxisReading& reading,
                                     const std::vector<ParameterSample>& samples) {
   for (const auto& sample : samples) keep(sample);
-  if (last_.seq == 0 || !is_same(last_.reading, reading)) ++last_.seq;
-  last_.reading = reading;
-  return last_;
+  PublishedReading now{reading, AxisStanding(axis), last_seq_, samples_};
+  if (!last_ || !is_same(last_->reading, reading) || last_->standing != now.standing)
+    now.seq = ++last_seq_;
+  last_ = now;
+  return now;
 }
 
 std::map<std::uint8_t, tmcl::Duration> AxisPoller::parameters() const {
@@ -75,16 +91,15 @@ std::map<std::uint8_t, tmcl::Duration> AxisPoller::parameters() const {
 }
 
 bool AxisPoller::is_due(std::uint8_t parameter, tmcl::Duration interval) const {
-  const auto read = std::ranges::find(last_.samples, parameter, &ParameterSample::parameter);
+  const auto read = std::ranges::find(samples_, parameter, &ParameterSample::parameter);
   // As late in its own turn as it may be read.
-  return read == last_.samples.end() || clock_.now() - read->taken >= interval / parts_of_interval;
+  return read == samples_.end() || clock_.now() - read->taken >= interval / parts_of_interval;
 }
 
 void AxisPoller::keep(const ParameterSample& sample) {
-  const auto before =
-      std::ranges::find(last_.samples, sample.parameter, &ParameterSample::parameter);
-  if (before == last_.samples.end()) {
-    last_.samples.push_back(sample);
+  const auto before = std::ranges::find(samples_, sample.parameter, &ParameterSample::parameter);
+  if (before == samples_.end()) {
+    samples_.push_back(sample);
   } else {
     *before = sample;
   }
@@ -92,7 +107,7 @@ void AxisPoller::keep(const ParameterSample& sample) {
 
 boost::asio::awaitable<void> AxisPoller::sample(GatewayAxis& axis, tmcl::Duration interval) {
   const auto all = parameters();
-  std::erase_if(last_.samples, [&](const auto& sample) { return !all.contains(sample.parameter); });
+  std::erase_if(samples_, [&](const auto& sample) { return !all.contains(sample.parameter); });
   const auto share = axis.bus().has_paths() ? tmcl::Duration{} : interval / parts_of_interval;
   const auto until = clock_.now() + share;
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -126,7 +141,7 @@ boost::asio::awaitable<void> AxisPoller::run(std::shared_ptr<AxisPoller> self,
     co_await self->sample(*axis, interval);
     const auto reading = co_await axis->read_state();
     // Silence is told once, as an event of the module.
-    if (reading) self->tell(self->number(*reading), tick);
+    if (reading) self->tell(self->number(*axis, *reading), tick);
   }
   self->running_ = false;
 }

@@ -5,6 +5,8 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <boost/asio/any_io_executor.hpp>
@@ -12,6 +14,7 @@
 
 #include "async/wake.hpp"
 #include "gateway/axis/axis.hpp"
+#include "gateway/event.hpp"
 
 namespace tmcld {
 
@@ -20,10 +23,28 @@ constexpr tmcl::Duration shortest_poll_interval = std::chrono::milliseconds(5);
 constexpr tmcl::Duration shortest_poll_interval_beside_path = std::chrono::milliseconds(100);
 constexpr tmcl::Duration longest_poll_interval = std::chrono::milliseconds(60000);
 
+/// What tmcld knows of an axis, beside what its module tells.
+struct AxisStanding {
+  explicit AxisStanding(const GatewayAxis& axis);
+  bool operator==(const AxisStanding&) const = default;
+
+  bool is_latched = false;
+  bool is_referenced = false;
+  std::optional<StopCause> stop_cause;
+  std::uint64_t last_stop = 0;
+  std::int32_t lease = 0;  ///< 0: there is none.
+  bool is_unattended = false;
+  std::string owner;  ///< Empty: there is none.
+  std::vector<UnrestoredSetting> unrestored;
+  Faults faults;
+};
+
 /// A look that those who watch are told of.
 struct PublishedReading {
   AxisReading reading;
-  std::uint64_t seq = 0;  ///< Grows by one whenever something in `reading` changed; of the axis.
+  AxisStanding standing;
+  /// Of the axis: grows by one whenever something in `reading` or `standing` changed.
+  std::uint64_t seq = 0;
   /// What watchers have sampled, as it was read last; without what was not read yet.
   std::vector<ParameterSample> samples{};
 };
@@ -67,10 +88,10 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
 
   AxisWatch watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration interval, OnReading on_reading);
   /// Numbers a look that was taken for someone who begins to watch, with what was read beside it.
-  PublishedReading number(const AxisReading& reading,
+  PublishedReading number(const GatewayAxis& axis, const AxisReading& reading,
                           const std::vector<ParameterSample>& samples = {});
   /// Numbers go on behind those of the axis that had the name before.
-  void count_on_from(const AxisPoller& before) { last_.seq = before.last_.seq + 1; }
+  void count_on_from(const AxisPoller& before) { last_seq_ = before.last_seq_ + 1; }
 
  private:
   friend class AxisWatch;
@@ -95,7 +116,9 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
   tmcl::ContextClock clock_;
   Wake changed_;
   bool running_ = false;
-  PublishedReading last_;
+  std::uint64_t last_seq_ = 0;
+  std::optional<PublishedReading> last_;
+  std::vector<ParameterSample> samples_;
   std::size_t turn_ = 0;  ///< Which of the parameters is read next.
   std::uint64_t last_id_ = 0;
   std::map<std::uint64_t, Watcher> watchers_;
