@@ -39,6 +39,7 @@ iproute2|sets CAN interfaces up
 can-utils|cansend and candump, which tests compare with
 curl|calls tmcld by HTTP, as docs/PROTOCOL.md shows
 chromium|a browser, which the page of tmcld is tested in
+fonts-dejavu-core|the font of the pictures that the page is compared with
 openssl|makes certificates for tests
 zbar-tools|reads the picture that a phone is to read
 socat|joins and cuts serial lines

@@ -57,9 +57,12 @@ soft_limits = [-200.0, 200.0]
 max_velocity = 20
 `;
 
-/** Modules at the addresses from 1 on; without other wishes a TMCM-3110 with the axes x, y and z of 8 mm a turn. */
+/**
+ * Modules at the addresses from 1 on; without other wishes a TMCM-3110 with the axes x, y and z of 8 mm a turn.
+ * `isCabled`: tmcld reaches them through `cable`, and others past it on `modulesPort`.
+ */
 export class Bench {
-  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2), models = ["TMCM-3110"], hasOwnPage = false } = {}) {
+  static async create({ keys = "loopback_without_token = true", axes = axis("x", 0) + axis("y", 1) + axis("z", 2), models = ["TMCM-3110"], hasOwnPage = false, isCabled = false } = {}) {
     const bench = new Bench();
     bench.folder = await mkdtemp(join(tmpdir(), "tmcl-page-"));
     // A copy, which a test may change.
@@ -67,13 +70,17 @@ export class Bench {
     if (hasOwnPage) keys += `\npage = "${bench.folder}/page"`;
     bench.socket = join(bench.folder, "socket");
     bench.port = await freePort();
-    const link = join(bench.folder, "bus");
-    bench.simulator = new Program("tmclsim", ...models.flatMap((model) => ["--module", model]), "--pty", link);
+    bench.modulesPort = await freePort();
+    const pty = join(bench.folder, "bus");
+    const ports = ["--pty", pty, "--tcp", `127.0.0.1:${bench.modulesPort}`];
+    bench.simulator = new Program("tmclsim", ...models.flatMap((model) => ["--module", model]), ...ports);
     await bench.simulator.says("ready");
+    if (isCabled) bench.cable = await Cable.to(bench.modulesPort);
+    const link = isCabled ? `tcp:127.0.0.1:${bench.cable.port}` : `serial:${pty}@115200`;
     await writeFile(
       join(bench.folder, "tmcld.toml"),
       `[daemon]\nsocket = "${bench.socket}"\n[http]\nlisten = ["127.0.0.1:${bench.port}"]\n${keys}\n` +
-        `[[bus]]\nname = "bench"\nlink = "serial:${link}@115200"\nreply_timeout_ms = 1000\n${axes}`,
+        `[[bus]]\nname = "bench"\nlink = "${link}"\nreply_timeout_ms = 1000\n${axes}`,
     );
     await bench.startDaemon();
     return bench;
@@ -122,6 +129,7 @@ export class Bench {
 
   async end() {
     await this.daemon.end();
+    this.cable?.end();
     await this.simulator.end();
     await rm(this.folder, { recursive: true });
   }
@@ -143,15 +151,21 @@ export class Cable {
       if (cable.isCut) cable.cut();
     }).listen(0, "127.0.0.1");
     await new Promise((done) => cable.server.on("listening", done));
-    cable.url = `http://localhost:${cable.server.address().port}`;
+    cable.port = cable.server.address().port;
+    cable.url = `http://localhost:${cable.port}`;
     return cable;
   }
   cut() {
     this.isCut = true;
     for (const socket of this.#sockets) socket.unpipe().pause();
   }
+  /** What was cut off is closed; new connections carry again. */
+  mend() {
+    this.isCut = false;
+    for (const socket of this.#sockets.splice(0)) socket.destroy();
+  }
   end() {
-    for (const socket of this.#sockets) socket.destroy();
+    this.mend();
     this.server.close();
   }
 }
