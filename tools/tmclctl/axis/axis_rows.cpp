@@ -27,6 +27,15 @@ std::string motion_word(const AxisLine& axis) {
   return axis.reading->position_reached ? "at target" : "stands";
 }
 
+std::string bar_text(const AxisLine& axis, int width) {
+  if (!axis.reading || !axis.limits) return {};
+  const auto& reading = *axis.reading;
+  const double position = reading.position.value_or(reading.position_microsteps);
+  return place_between(axis.limits->least.value, axis.limits->greatest.value, position, width);
+}
+
+}  // namespace
+
 std::string flags_text(const AxisReading& reading) {
   std::string flags;
   const auto add = [&](const std::string& flag) { flags += (flags.empty() ? "" : ", ") + flag; };
@@ -38,15 +47,6 @@ std::string flags_text(const AxisReading& reading) {
   if (reading.referenced) add("referenced");
   return flags;
 }
-
-std::string bar_text(const AxisLine& axis, int width) {
-  if (!axis.reading || !axis.limits) return {};
-  const auto& reading = *axis.reading;
-  const double position = reading.position.value_or(reading.position_microsteps);
-  return place_between(axis.limits->least.value, axis.limits->greatest.value, position, width);
-}
-
-}  // namespace
 
 std::string place_between(double least, double greatest, double value, int width) {
   const int places = width - 2;

@@ -20,6 +20,9 @@ struct AxisLine {
 /// With a line of headings above. `internal`: as modules count.
 std::vector<std::string> lines_of(const std::vector<AxisLine>& axes, int width, bool internal);
 
+/// What holds of an axis beside its motion: "FAULT: short_a, lease 7"; empty if nothing does.
+std::string flags_text(const AxisReading& reading);
+
 /// "[....#.....]", `width` columns wide; '<' or '>' at its end for what is beyond that.
 std::string place_between(double least, double greatest, double value, int width);
 

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "axis/axis_rows.hpp"
 #include "axis/recording_csv.hpp"
 #include "command_line/method_words.hpp"
 #include "connection/reconnecting_watch.hpp"
@@ -67,15 +69,10 @@ Result<std::vector<plot::Recording>> begin_recordings(const std::vector<std::str
   return recordings;
 }
 
-std::string motion_text(const AxisReading& reading) {
-  if (reading.moving) return "moving";
-  if (reading.position_reached) return "at target";
-  return reading.stop_cause ? "stopped: " + *reading.stop_cause : "standing";
-}
-
 std::string condition_text(const AxisReading& reading) {
-  const auto faults = joined(reading.faults);
-  return motion_text(reading) + (faults.empty() ? "" : "  FAULT: " + faults);
+  const auto* at_rest = reading.position_reached ? "at target" : "stands";
+  const auto flags = flags_text(reading);
+  return (reading.moving ? "moving" : at_rest) + (flags.empty() ? "" : "  " + flags);
 }
 
 /// Prints what is told of axes, and says for how long that is wanted.
@@ -137,6 +134,7 @@ class Watching {
   Host& host_;
   tmcl::TimePoint begin_;
   std::map<std::string, boost::json::object> last_;
+  std::map<std::string, std::string> last_text_;
   RecordingCsv csv_;
   std::vector<plot::Recording> recordings_;  ///< Without samples: rows go to the file at once.
 };
@@ -171,12 +169,13 @@ void Watching::tell(const std::string& axis, const AxisReading& reading) {
     document["utc"] = tmcl::to_text(host_.utc());
     return print_json(document, output_);
   }
-  output_.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}{}  {}", passed_s(),
-                             axis, position_text(reading, verb_.internal),
-                             velocity_text(reading, verb_.internal),
-                             target_text(reading, verb_.internal),
-                             samples_text(reading, verb_.internal), condition_text(reading))
-              << std::endl;
+  const auto text = fmt::format(
+      "{}  position {}  velocity {}  target {}{}  {}", axis, position_text(reading, verb_.internal),
+      velocity_text(reading, verb_.internal), target_text(reading, verb_.internal),
+      samples_text(reading, verb_.internal), condition_text(reading));
+  // Not all that a document has is in a line.
+  if (std::exchange(last_text_[axis], text) == text) return;
+  output_.out << fmt::format("{:9.3f} s  {}", passed_s(), text) << std::endl;
 }
 
 void Watching::tell(const api::Event& event) {
