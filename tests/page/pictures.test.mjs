@@ -138,6 +138,9 @@ describe("the page looks as it did", { skip }, () => {
     await page.getByLabel("Path file").setInputFiles({ name: "part.ngc", mimeType: "text/plain", buffer: Buffer.from(part) });
     await until("it may be run", () => button(page, "Run").isEnabled());
     await page.getByText("Expected in each mode").waitFor();
+    // Where the bus was measured as slow, there are some.
+    const warnings = page.locator(".paths p.problem");
+    await warnings.evaluateAll((all) => all.forEach((one) => (one.style.display = "none")));
     await looksLike("paths", [page.getByRole("table").last()]);
   });
 
