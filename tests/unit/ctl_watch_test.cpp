@@ -47,6 +47,16 @@ TEST_F(CtlWatch, SeveralAxesAreWatchedAtOnce) {
   EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "one for each state";
 }
 
+TEST_F(CtlWatch, ALineThatWouldBeTheSameIsLeftOut) {
+  // A stop where it stands: only the count of stops grows.
+  target.stopped_at = host.now() + milliseconds(300);
+  EXPECT_EQ(run({"watch", "x", "--for", "1"}), ExitCode::done);
+  EXPECT_EQ(std::ranges::count(out, '\n'), 1);
+  target.stopped_at = host.now() + milliseconds(300);
+  EXPECT_EQ(run({"watch", "x", "--for", "1", "--json"}), ExitCode::done);
+  EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "documents have it";
+}
+
 TEST_F(CtlWatch, AllIsEveryAxisThatTmcldHas) {
   EXPECT_EQ(run({"watch", "--all", "--for", "1"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr("s  x  position"));
