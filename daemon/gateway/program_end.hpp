@@ -11,12 +11,14 @@
 
 namespace tmcld {
 
-/// Of a module whose motors have been told to stop.
+/// A module whose motors are told to stop.
 struct StoppedModule {
   std::shared_ptr<GatewayBus> bus;
   tmcl::ModuleAddress address{};
   std::vector<tmcl::AxisAddress> motors{};
-  bool has_answered = false;  ///< One of these stops.
+  /// To one of these stops, or to another command just before. One that has not is asked nothing:
+  /// the end of its program is owed at once.
+  bool has_answered = false;
 };
 
 /// Ends the program of the module, and the searches that it may have begun: true if it may have
