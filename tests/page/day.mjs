@@ -10,7 +10,7 @@ const names = ["x", "y", "z"];
 
 after(closeBrowser);
 
-/** Runs in the page, before its scripts: from `window.tellHour` on it hears what that makes up, and no states of tmcld. */
+/** Runs in the page, before its scripts. `window.tellHour` makes up an hour of states; from then on those of tmcld are kept out. */
 function pretend() {
   const stateMs = 20;
   const perMinute = 3000;

@@ -1,5 +1,5 @@
-// A button that is held, and all that can end that: how long the motor turns on. Not run with the other tests: it takes half
-// an hour. ROUNDS says how often each end is tried. The motor is asked on a port of its own, past tmcld.
+// How long a motor turns on after each way in which a held jog button can end. Not run with the other tests: it takes a
+// quarter of an hour. ROUNDS says how often each end is tried. The motor is asked on a port of its own, past tmcld.
 import assert from "node:assert/strict";
 import { createConnection } from "node:net";
 import { after, before, describe, it } from "node:test";

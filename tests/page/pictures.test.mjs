@@ -113,7 +113,7 @@ describe("the page looks as it did", { skip }, () => {
     await button(page, "Pause").click();
     const plot = page.locator(".plot");
     await looksLike("axes", [plot]);
-    // That something is gone is seen.
+    // A card that is missing makes the comparison fail.
     await card(page, "y").evaluate((element) => (element.style.visibility = "hidden"));
     const share = await difference(await readFile(join(folder, "axes.png")), await look(), [await plot.boundingBox()]);
     assert.ok(share > mostDifferent, `a card that is gone is ${share} of the blocks`);
@@ -138,7 +138,7 @@ describe("the page looks as it did", { skip }, () => {
     await page.getByLabel("Path file").setInputFiles({ name: "part.ngc", mimeType: "text/plain", buffer: Buffer.from(part) });
     await until("it may be run", () => button(page, "Run").isEnabled());
     await page.getByText("Expected in each mode").waitFor();
-    // Where the bus was measured as slow, there are some.
+    // A bus that was measured as slow brings warnings, which move the tables down.
     const warnings = page.locator(".paths p.problem");
     await warnings.evaluateAll((all) => all.forEach((one) => (one.style.display = "none")));
     await looksLike("paths", [page.getByRole("table").last()]);

@@ -65,7 +65,7 @@ async function foresee(before: StateTold, now: StateTold, onNew: (forecast: Fore
   const way = now.target_microsteps - before.position_microsteps;
   if (way === 0 || now.target_microsteps === before.target_microsteps) return;
   try {
-    // What was set right before the move counts: it is asked for behind its begin.
+    // Asked for after the move has begun, so that settings written right before it count.
     const ramp = await call("axis.get_ramp", { axis: now.axis, in_motion: true });
     const { curve } = await call("profile.simulate", {
       model: ramp.model,
