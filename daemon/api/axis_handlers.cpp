@@ -75,7 +75,7 @@ Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params) {
   auto& axis = *ready.axis;
   const auto said =
       raw_or_quantity<&axis::MoveBy::distance_microsteps, &axis::MoveBy::distance>(params);
-  const auto distance = co_await must(length_of(axis, said, nullptr));
+  const auto distance = co_await must(distance_of(axis, said));
   const auto moved = co_await must(
       axis.move_by(distance.length(), params.predict.value_or(true), ready.moves), axis);
   auto result = co_await to_result(axis, moved, distance.known_scale());

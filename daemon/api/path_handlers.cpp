@@ -236,11 +236,12 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
                   cast = std::move(cast), look = std::move(look)]() mutable {
     const auto letters = source.path.axes;
-    auto course = from_where_axes_stand(std::move(source), *text, known, request)
-                      .and_then([&](const auto& from_there) {
-                        return course_of(from_there, limits_of(known), feed, request.tolerance,
-                                         request.shaping);
-                      });
+    auto course =
+        from_where_axes_stand(std::move(source), *text, known, request)
+            .and_then([&](auto from_there) { return by_steps(std::move(from_there), known); })
+            .and_then([&](const auto& counted) {
+              return course_of(counted, limits_of(known), feed, request.tolerance, request.shaping);
+            });
     if (course) look(*course, letters, cast, request);
     return course;
   };

@@ -191,11 +191,18 @@ Task<ParsedRate<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis, const api::A
   co_return param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0");
 }
 
-Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity either,
-                             const tmcl::ParameterInfo* row) {
+namespace {
+
+enum class Measures : std::uint8_t { place, distance };
+
+/// A distance is the same wherever it begins.
+Task<ParsedLength> parse_length(GatewayAxis& axis, RawOrQuantity either,
+                                const tmcl::ParameterInfo* row, Measures measures) {
   const auto said = co_await must(parse_amount(either, axis, Dimension::position));
   const auto& [param, quantity] = said;
   auto units = co_await must(units_for(axis, param, quantity));
+  auto scale = units.scale;
+  if (units.scale && measures == Measures::distance) units.scale->correction = nullptr;
   tmcl::ValueRange range;
   if (row != nullptr) range = {row->minimum, row->maximum};
   const auto value = tmcl::to_microsteps(quantity, units, range);
@@ -206,8 +213,19 @@ Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity either,
   co_await must_not(check_range(row, value->value, param));
   ParsedLength length{*value};
   if (const auto own = in_own_unit(quantity, units)) length.in_unit = tmcl::UserPosition{*own};
-  length.scale = std::move(units.scale);
+  length.scale = std::move(scale);
   co_return length;
+}
+
+}  // namespace
+
+Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity said,
+                             const tmcl::ParameterInfo* row) {
+  return parse_length(axis, std::move(said), row, Measures::place);
+}
+
+Task<ParsedLength> distance_of(GatewayAxis& axis, RawOrQuantity said) {
+  return parse_length(axis, std::move(said), nullptr, Measures::distance);
 }
 
 Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis,
@@ -310,6 +328,14 @@ awaitable<InUnit> in_unit(GatewayAxis& axis, std::optional<tmcl::Microsteps> pos
   if (!units.scale) co_return InUnit{};
   InUnit told{units.scale->unit};
   if (position) told.number = to_user(*position, *units.scale).value;
+  co_return told;
+}
+
+awaitable<InUnit> distance_in_unit(GatewayAxis& axis, std::optional<tmcl::Microsteps> distance) {
+  auto units = co_await units_to_tell(axis, nothing_read_of(axis), Dimension::position);
+  if (!units.scale) co_return InUnit{};
+  units.scale->correction = nullptr;
+  auto told = co_await in_unit(axis, distance, &*units.scale);
   co_return told;
 }
 

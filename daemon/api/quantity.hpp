@@ -47,6 +47,8 @@ RawOrQuantity raw_or_quantity(const Params& params) {
 /// `row` is what holds the position; null: any will do. Errors: neither or both are there, what
 /// tmcl::to_parameter() objects to, an axis without a unit.
 Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity said, const tmcl::ParameterInfo* row);
+/// The same of how far something goes. Its `scale` is that of places.
+Task<ParsedLength> distance_of(GatewayAxis& axis, RawOrQuantity said);
 
 /// A velocity or an acceleration, the same in both directions: in microsteps, and as it was said.
 template <class Value>
@@ -87,6 +89,9 @@ struct InUnit {
 };
 boost::asio::awaitable<InUnit> in_unit(GatewayAxis& axis, std::optional<tmcl::Microsteps> position,
                                        const tmcl::UserScale* scale = nullptr);
+/// How far something goes.
+boost::asio::awaitable<InUnit> distance_in_unit(GatewayAxis& axis,
+                                                std::optional<tmcl::Microsteps> distance);
 /// Of a parameter; nothing also for one that is neither a position nor a velocity nor an
 /// acceleration. `row` may be null.
 boost::asio::awaitable<InUnit> in_unit(GatewayAxis& axis, const tmcl::ParameterInfo* row,

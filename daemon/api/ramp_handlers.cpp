@@ -226,8 +226,8 @@ using api::ramp::Compare;
 /// Of the move that a ramp is for.
 template <class Method>
 Task<tmcl::Microsteps> way_of(GatewayAxis& axis, const Method& params) {
-  const auto said = co_await must(length_of(
-      axis, raw_or_quantity<&Method::distance_microsteps, &Method::distance>(params), nullptr));
+  const auto said = co_await must(
+      distance_of(axis, raw_or_quantity<&Method::distance_microsteps, &Method::distance>(params)));
   if (said.microsteps == tmcl::Microsteps{}) {
     co_return param_error<&Method::distance>("not_foreseeable",
                                              "'distance' is 0: such a move has no ramp");
@@ -244,9 +244,8 @@ Task<std::optional<plan::LoadWish>> load_of(GatewayAxis& axis, const Compare& pa
   load.resonance = *resonance;
   load.tolerance = plan::usual_load_tolerance * distance;
   if (params.tolerance || params.tolerance_microsteps) {
-    const auto said = co_await must(length_of(
-        axis, raw_or_quantity<&Compare::tolerance_microsteps, &Compare::tolerance>(params),
-        nullptr));
+    const auto said = co_await must(distance_of(
+        axis, raw_or_quantity<&Compare::tolerance_microsteps, &Compare::tolerance>(params)));
     load.tolerance = std::abs(static_cast<double>(said.microsteps.value));
   }
   co_return load;

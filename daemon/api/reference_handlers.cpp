@@ -25,7 +25,7 @@ Task<SearchLimit> limit_of_search(GatewayAxis& axis, const Params& params) {
     co_return limit;
   }
   const auto said = raw_or_quantity<&Params::max_travel_microsteps, &Params::max_travel>(params);
-  const auto travel = co_await must(length_of(axis, said, nullptr));
+  const auto travel = co_await must(distance_of(axis, said));
   const auto microsteps = travel.microsteps.value;
   const bool is_distance = travel.in_unit ? travel.in_unit->value > 0 : microsteps > 0;
   if (microsteps == 0 || !is_distance)
@@ -39,7 +39,7 @@ Task<SearchLimit> limit_of_search(GatewayAxis& axis, const Params& params) {
 template <class Result>
 boost::asio::awaitable<void> tell_limit(GatewayAxis& axis, SearchLimit limit, Result& result) {
   result.max_travel_microsteps = if_known(limit);
-  auto told = co_await in_unit(axis, limit);
+  auto told = co_await distance_in_unit(axis, limit);
   if (told.number) result.max_travel = std::abs(*told.number);
   result.unit = std::move(told.unit);
   if (!limit)
@@ -93,7 +93,7 @@ Answer<axis::Home> home(Call& call, const axis::Home& params) {
     co_await end_late_search(call, ready.axis, homed.error());
   if (!homed) co_return call_error(homed.error(), axis.name());
   auto correction = co_await in_unit(axis, homed->correction);
-  const auto distance = co_await in_unit(axis, homed->switch_distance);
+  const auto distance = co_await distance_in_unit(axis, homed->switch_distance);
   axis::HomedAxis result{if_known(homed->correction),
                          if_known(homed->switch_distance),
                          {},

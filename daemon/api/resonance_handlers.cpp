@@ -53,15 +53,14 @@ Task<std::uint8_t> encoder_of(const GatewayAxis& axis) {
       "measure it otherwise, and say it: 'tmclctl ramp --compare --resonance HZ'");
 }
 
-Task<tmcl::Microsteps> distance_of(GatewayAxis& axis, const axis::Resonance& params) {
+Task<tmcl::Microsteps> way_to_measure_by(GatewayAxis& axis, const axis::Resonance& params) {
   const auto resolution = co_await must(axis.get(ap::microstep_resolution, {}), axis);
   const auto full_step = 1 << std::clamp(resolution, 0, tmcl::max_microstep_resolution);
   if (!params.distance && !params.distance_microsteps)
     co_return tmcl::Microsteps{usual_full_steps * full_step};
-  const auto said = co_await must(length_of(
+  const auto said = co_await must(distance_of(
       axis,
-      raw_or_quantity<&axis::Resonance::distance_microsteps, &axis::Resonance::distance>(params),
-      nullptr));
+      raw_or_quantity<&axis::Resonance::distance_microsteps, &axis::Resonance::distance>(params)));
   const auto most = most_full_steps * full_step;
   const auto size = std::abs(std::int64_t{said.microsteps.value});
   if (size >= 1 && size <= most) co_return said.microsteps;
@@ -75,7 +74,7 @@ Task<tmcl::Microsteps> distance_of(GatewayAxis& axis, const axis::Resonance& par
 Task<Start> start_of(GatewayAxis& axis, const axis::Resonance& params) {
   Start start;
   start.encoder = co_await must(encoder_of(axis));
-  start.distance = co_await must(distance_of(axis, params));
+  start.distance = co_await must(way_to_measure_by(axis, params));
   const auto reading = co_await must(axis.read_state(), axis);
   if (reading.state.velocity.value != 0) {
     co_await refuse(

@@ -10,8 +10,8 @@ Task<Travel> travel_between(GatewayAxis& axis, RawOrQuantity from, RawOrQuantity
   if (!has_from && !has_to) co_return Travel{};
   if (has_from != has_to)
     co_return param_error("bad_argument", has_from ? "to" : "from", "'from' and 'to' go together");
-  const auto least = co_await must(length_of(axis, from, nullptr));
-  const auto greatest = co_await must(length_of(axis, to, nullptr));
+  const auto least = co_await must(distance_of(axis, from));
+  const auto greatest = co_await must(distance_of(axis, to));
   // An axis may count the other way round.
   const auto [low, high] = std::minmax(least.microsteps.value, greatest.microsteps.value);
   if (low <= 0 && high >= 0 && low < high) co_return Travel{{low, high}};

@@ -9,6 +9,8 @@
 #include <fmt/format.h>
 
 #include "config/build_sections.hpp"
+#include "config/toml_reading.hpp"
+#include "tmcl/correction.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/spelling.hpp"
 
@@ -96,7 +98,7 @@ const Said<double>& distance_of(Draft& draft, const AxisSection& section) {
 void complain_without_unit(Draft& draft, const AxisSection& section) {
   for (const Given* given : std::initializer_list<const Given*>{
            &section.gear_ratio, &section.encoder_lines, &section.encoder_quadrature,
-           &section.encoder_counts_per_unit}) {
+           &section.encoder_counts_per_unit, &section.correction}) {
     if (given->key.empty()) continue;
     draft.complain(*given, quoted(given->key) + " means nothing without 'unit'");
   }
@@ -149,6 +151,18 @@ void check_is_new(Draft& draft, const AxisSection& section, const AxisConfig& ax
 }
 
 }  // namespace
+/// Another text of the file is another bus, as another configuration is.
+void set_correction(Draft& draft, const AxisSection& section, ScaleConfig& scale) {
+  const auto& path = section.correction;
+  if (!path || scale.unit.empty()) return;
+  const auto text = text_of_file(*path);
+  if (!text) return draft.complain(path, "'correction': " + text.error());
+  auto read = tmcl::Correction::of(*text);
+  if (!read) return draft.complain(path, "'correction': " + describe(read.error(), *path));
+  draft.find_bus(section.bus)->said += *text;
+  scale.correction = std::make_shared<const tmcl::Correction>(*std::move(read));
+}
+
 
 void add_axis(Draft& draft, const AxisSection& section) {
   const bool is_named = draft.has_new_name(section, draft.config.axes);
@@ -163,6 +177,7 @@ void add_axis(Draft& draft, const AxisSection& section) {
   AxisConfig axis{section.name.value_or(""),
                   bus->name,
                   {tmcl::ModuleAddress{*section.address}, *section.motor}};
+  set_correction(draft, section, scale);
   check_reply_id(draft, section, *bus);
   check_is_new(draft, section, axis);
   axis.scale = scale_of(draft, section);

@@ -117,10 +117,12 @@ struct ScaleConfig {
   std::optional<tmcl::SoftLimits> limits;            ///< In the unit; without one in microsteps.
   /// Only with a unit. Nothing: what the encoder reads is in microsteps, or there is none.
   std::optional<double> encoder_counts_per_unit;
+  bool encoder_is_linear = false;  ///< It measures where the axis is, and not how its motor turns.
+  std::shared_ptr<const tmcl::Correction> correction;  ///< Only with a unit. Null: none.
 
   /// With so many microsteps of a full step, as an exponent of two.
   tmcl::UserScale with_resolution(std::int32_t resolution) const {
-    return {unit, units_per_revolution, reverse, {full_steps, resolution}, gear_ratio};
+    return {unit, units_per_revolution, reverse, {full_steps, resolution}, gear_ratio, correction};
   }
 };
 

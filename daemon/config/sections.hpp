@@ -116,6 +116,8 @@ struct AxisSection : Section {
            {1, tmcl::max_full_steps});
   TMCL_KEY(Said<std::uint32_t>, microsteps, "microsteps of a full step: a power of two",
            {1, 1 << tmcl::max_microstep_resolution});
+  TMCL_KEY(Said<std::string>, correction,
+           "file of where it really is, by where its steps say: two numbers a line, in the unit");
   TMCL_KEY(Said<ConfigRange>, soft_limits,
            "least and greatest position in the unit, or in microsteps without one: moves to "
            "beyond are refused");

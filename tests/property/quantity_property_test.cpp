@@ -1,12 +1,15 @@
 // What holds for every quantity of every axis.
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <string>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "support/random.hpp"
 #include "support/seed.hpp"
+#include "tmcl/correction.hpp"
 #include "tmcl/quantity.hpp"
 
 namespace tmcl::test {
@@ -22,6 +25,19 @@ double any_double(Random<>& random) {
   }
 }
 
+std::shared_ptr<const Correction> any_correction(Random<>& random) {
+  std::string text;
+  double counted = static_cast<double>(random.either_way(random.any_size(1'000'000)));
+  double actual = counted + static_cast<double>(random.either_way(random.any_size(1000)));
+  for (auto rows = random.between(2, 20); rows > 0; --rows) {
+    text += fmt::format("{},{}\n", counted, actual);
+    const double way = static_cast<double>(random.positive(1'000'000)) / 1000;
+    counted += way;
+    actual += way * (1 + static_cast<double>(random.between(-90, 90)) / 1000);
+  }
+  return std::make_shared<const Correction>(*Correction::of(text));
+}
+
 AxisUnits any_axis(Random<>& random) {
   constexpr const char* names[] = {"mm", "um", "cm", "m", "in", "deg", "rad", "slides", ""};
   constexpr const char* models[] = {"TMCM-1110", "TMCM-142", "TMCM-6212"};
@@ -32,6 +48,7 @@ AxisUnits any_axis(Random<>& random) {
                           random.one_in(2),
                           {200, static_cast<std::int32_t>(random.between(0, 8))},
                           static_cast<double>(random.positive(100'000)) / 1000};
+  if (units.has_unit() && random.one_in(2)) units.scale->correction = any_correction(random);
   return units;
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,6 +20,8 @@
 #include "tmcl/units.hpp"
 
 namespace tmcl {
+
+class Correction;
 
 /// A wish that cannot be met.
 struct OutOfReach {
@@ -119,6 +122,8 @@ struct UserScale {
   bool reverse = false;             ///< Positive positions lie in the motor's negative direction.
   MotorSteps steps;
   double gear_ratio = 1;  ///< Turns of the motor for one of what it drives; greater than 0.
+  /// Of positions, in the unit; null: they are where the steps say. Speeds are not corrected.
+  std::shared_ptr<const Correction> correction{};
 
   double units_per_motor_revolution() const { return units_per_revolution / gear_ratio; }
 
@@ -128,6 +133,8 @@ struct UserScale {
 UserScale revolutions(const UserScale& scale);
 /// Microsteps as units, in the motor's own direction.
 UserScale microsteps_scale();
+/// The same for what holds in both directions and anywhere, such as a length or a limit.
+UserScale of_lengths(const UserScale& scale);
 /// Why a unit of a user cannot be called this, such as "is too long"; empty if it can. A name has 1
 /// to 16 bytes, letters, '%', '_' and whatever is not ASCII, and is none of the units that there
 /// are already, such as "rev" or "pps".

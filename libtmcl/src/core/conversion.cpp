@@ -6,6 +6,7 @@
 #include <limits>
 #include <tuple>
 
+#include "tmcl/correction.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
 
@@ -193,6 +194,13 @@ Dimension dimension_of(const ParameterInfo& row) {
 
 UserScale revolutions(const UserScale& scale) { return {"rev", 1, scale.reverse, scale.steps}; }
 
+UserScale of_lengths(const UserScale& scale) {
+  auto lengths = scale;
+  lengths.reverse = false;
+  lengths.correction = nullptr;
+  return lengths;
+}
+
 UserScale microsteps_scale() { return {"microsteps", 1, false, {1, 0}}; }
 
 std::span<const std::string_view> reserved_unit_names() {
@@ -212,7 +220,8 @@ std::string fault_of_unit_name(std::string_view name) {
 }
 
 UserPosition to_user(Microsteps position, const UserScale& scale) {
-  return {directed(in_user_units(position.value, scale), scale)};
+  const double counted = directed(in_user_units(position.value, scale), scale);
+  return {scale.correction ? scale.correction->actual(counted) : counted};
 }
 
 UserVelocity to_user(PulsesPerSecond velocity, const UserScale& scale) {
@@ -224,7 +233,9 @@ UserAcceleration to_user(PulsesPerSecond2 acceleration, const UserScale& scale) 
 }
 
 Reached<Microsteps> to_microsteps(UserPosition position, const UserScale& scale, ValueRange range) {
-  const auto microsteps = directed(in_microsteps(position.value, scale), scale);
+  const double counted =
+      scale.correction ? scale.correction->counted(position.value) : position.value;
+  const auto microsteps = directed(in_microsteps(counted, scale), scale);
   const auto in_unit = [&](std::int32_t value) { return to_user(Microsteps{value}, scale).value; };
   return reach(position.value, microsteps, range, scale.unit, "too far", "too far", in_unit)
       .map([](std::int32_t value) { return Microsteps{value}; });

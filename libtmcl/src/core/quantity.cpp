@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tmcl/correction.hpp"
 #include "tmcl/hex.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/spelling.hpp"
@@ -187,8 +188,10 @@ Result<UserScale> scale_of(const Quantity& quantity, const AxisUnits& units) {
     return tl::unexpected(unknown_unit(quantity, name, units));
   if (!units.scale) return unknown_turn(quantity, units);
   auto scale = in_turns ? revolutions(*units.scale) : *units.scale;
-  scale.units_per_revolution *=
-      in_turns ? size_of_turn / name.known->size : part_of_own(name, units);
+  const double count = in_turns ? size_of_turn / name.known->size : part_of_own(name, units);
+  scale.units_per_revolution *= count;
+  if (scale.correction && count != 1)
+    scale.correction = std::make_shared<const Correction>(scale.correction->in_unit(count));
   scale.unit = name.base;
   return scale;
 }
@@ -349,7 +352,7 @@ std::span<const ParameterInfo> AxisUnits::parameters() const {
 
 AxisUnits AxisUnits::undirected() const {
   auto units = *this;
-  if (units.scale) units.scale->reverse = false;
+  if (units.scale) units.scale = of_lengths(*units.scale);
   return units;
 }
 
@@ -440,7 +443,7 @@ Result<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
   if (!units.scale) return unknown_turn(bare, units);
   if (dimension != Dimension::position && !units.module) return unknown_counting(bare, units);
   auto scale = units.has_unit() ? *units.scale : revolutions(*units.scale);
-  if (row.minimum >= 0) scale.reverse = false;
+  if (row.minimum >= 0) scale = of_lengths(scale);
   if (is_in_counts(row, units)) scale = encoder_scale(*units.encoder_counts_per_unit, scale);
   const auto in_unit = [&](double number) {
     return Quantity{number, unit_of(dimension, scale.unit)};

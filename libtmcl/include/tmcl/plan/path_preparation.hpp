@@ -4,6 +4,7 @@
 ///     auto source = read_path(text, PathFormat::gcode, request.tolerance);
 ///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
 ///     source = from_where_axes_stand(std::move(*source), text, axes, request);
+///     source = by_steps(std::move(*source), axes);
 ///     auto course = course_of(*source, limits_of(axes), *feed_of(axes), request.tolerance);
 ///     auto wrong = objection_to_reach(*course, axes);
 ///     PathStream stream(*course, streamed(axes), options_of(request));
@@ -125,7 +126,7 @@ struct PathAxis {
   double corner_jump = 0;   ///< What the configuration and the request allow; may be infinite.
   /// What the request allows along the path; infinite if nothing, or for an axis that goes along.
   double feed = 0;
-  double stands_at = 0;  ///< In the file's units.
+  double stands_at = 0;  ///< In the file's units, corrected.
   Duration command{};    ///< How long a command to it takes.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
@@ -140,6 +141,9 @@ std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes);
 PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view text,
                                              const std::vector<PathAxis>& axes,
                                              const PathRequest& request);
+
+/// The same path by the steps of its axes, which their tables correct: what course_of() is about.
+PathResult<PathSource> by_steps(PathSource source, const std::vector<PathAxis>& axes);
 
 PathLimits limits_of(const std::vector<PathAxis>& axes);
 /// In the file's units. Objection: wrong_unit, if it is another in the units of each axis.

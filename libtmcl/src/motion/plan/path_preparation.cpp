@@ -11,6 +11,7 @@
 
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
+#include "tmcl/plan/path_correction.hpp"
 #include "tmcl/scale_factor.hpp"
 
 namespace tmcl::plan {
@@ -80,9 +81,11 @@ Microsteps microsteps(const PathAxis& axis, double position) {
   return {static_cast<std::int32_t>(std::lround(position * axis.stream.microsteps_per_unit))};
 }
 
-std::optional<PathObjection> objection_to(double position, const PathAxis& axis) {
+std::optional<PathObjection> objection_to(double counted, const PathAxis& axis) {
   const auto& [of_file, name] = axis.choice;
-  const double there = position * axis.stream.microsteps_per_unit;
+  const double there = counted * axis.stream.microsteps_per_unit;
+  const auto& correction = axis.scale.correction;
+  const double position = correction ? correction->actual(counted) : counted;
   if (there < axis.range.least || there > axis.range.greatest) {
     return wrong(
         "out_of_range",
@@ -90,7 +93,7 @@ std::optional<PathObjection> objection_to(double position, const PathAxis& axis)
                     plain_number(position, 6), there, name, axis.range.least, axis.range.greatest));
   }
   const auto limit =
-      axis.limits ? beyond(*axis.limits, microsteps(axis, position), axis.scale) : std::nullopt;
+      axis.limits ? beyond(*axis.limits, microsteps(axis, counted), axis.scale) : std::nullopt;
   if (!limit) return std::nullopt;
   return wrong("beyond_soft_limit", fmt::format("the path goes to {} {}: {} of {}", of_file,
                                                 plain_number(position, 6), describe(*limit), name));
@@ -254,6 +257,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   axis.limits = facts.limits;
   axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;
   axis.stands_at = facts.position.value / *scale;
+  if (axis.scale.correction) axis.stands_at = axis.scale.correction->actual(axis.stands_at);
   axis.command = facts.command;
   axis.range = range_of(*facts.model, *facts.units, ap::target_position);
   axis.velocity = facts.ramp.velocity * facts.units->velocity.value / std::abs(*scale);
@@ -274,7 +278,8 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
 bool moves_alike(const PathAxis& one, const PathAxis& other) {
   return one.stream.microsteps_per_unit == other.stream.microsteps_per_unit &&
          one.stream.units == other.stream.units && one.velocity == other.velocity &&
-         one.acceleration == other.acceleration && one.corner_jump == other.corner_jump;
+         one.acceleration == other.acceleration && one.corner_jump == other.corner_jump &&
+         one.scale.correction == other.scale.correction;
 }
 
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {
@@ -294,6 +299,14 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
     start[path_file::gcode_axes.find(axis.choice.of_file)] = axis.stands_at;
   const auto& setup = request.setup ? *request.setup : path_file::GcodeSetup();
   return flattened(path_file::read_gcode(text, start, setup), source.format, request.tolerance);
+}
+
+PathResult<PathSource> by_steps(PathSource source, const std::vector<PathAxis>& axes) {
+  std::vector<std::shared_ptr<const Correction>> corrections;
+  for (const auto& axis : axes) corrections.push_back(axis.scale.correction);
+  auto counted = as_counted(std::move(source.path), corrections);
+  if (!counted) return tl::unexpected(wrong("bad_path", counted.error()));
+  return PathSource{source.format, *std::move(counted)};
 }
 
 PathLimits limits_of(const std::vector<PathAxis>& axes) {
