@@ -4,6 +4,7 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/views.hpp"
+#include "gateway/journey/approach.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/seconds.hpp"
 
@@ -19,6 +20,14 @@ boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMo
   if (started.predicted) result.predicted_s = tmcl::seconds(*started.predicted);
   result.warnings = std::move(started.warnings);
   co_return result;
+}
+
+GatewayAxis::Awaitable<StartedMove> approach_by(ReadyToMove ready, Length distance, bool predict) {
+  const auto target = co_await ready.axis->end_of(distance, ready.moves);
+  if (!target) co_return tl::unexpected(target.error());
+  ApproachOrder order{ready.axis, ready.moves, *target, predict};
+  auto started = co_await approach(std::move(order));
+  co_return started;
 }
 
 using Warnings = std::vector<std::string>;
@@ -47,6 +56,27 @@ boost::asio::awaitable<Error> faulty_arrival(GatewayAxis& axis, const RestingPos
   co_return result;
 }
 
+boost::asio::awaitable<Error> out_of_position(GatewayAxis& axis, const RestingPosition& arrived) {
+  const auto place = co_await place_of(axis, arrived.position);
+  const auto unit = place.unit.value_or("microsteps");
+  const double there = place.position.value_or(place.position_microsteps);
+  const auto off = tmcl::plain_number(*arrived.out_of_position, 6) + ' ' + unit;
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.bus = axis.bus().name();
+  error.message = "axis '" + axis.name() + "' is at " + tmcl::plain_number(there, 6) + ' ' + unit +
+                  " by its counter, and by its encoder " + off +
+                  " from there: 'in_position' allows " +
+                  tmcl::plain_number(axis.in_position()->window, 6);
+  error.hint = "the load may stick, or the motor has lost steps: 'tmclctl home " + axis.name() +
+               "' tells; or the encoder counts from another zero";
+  auto result = call_error(error, axis.name());
+  result.name = tmcl::client::error_name::not_in_position;
+  result.subject["off"] = *arrived.out_of_position;
+  co_return result;
+}
+
 }  // namespace
 
 Answer<axis::List> list_axes(Call& call, const axis::List& params) {
@@ -64,8 +94,11 @@ Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params) {
   const auto said =
       raw_or_quantity<&axis::MoveTo::position_microsteps, &axis::MoveTo::position>(params);
   const auto target = co_await must(length_of(axis, said, row));
-  const auto moved = co_await must(
-      axis.move_to(target.length(), params.predict.value_or(true), ready.moves), axis);
+  const auto predict = params.predict.value_or(true);
+  ApproachOrder order{ready.axis, ready.moves, target.length(), predict};
+  auto moving = axis.approach() ? approach(std::move(order))
+                                : axis.move_to(target.length(), predict, ready.moves);
+  const auto moved = co_await must(std::move(moving), axis);
   auto result = co_await to_result(axis, moved, target.known_scale());
   co_return result;
 }
@@ -76,8 +109,10 @@ Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params) {
   const auto said =
       raw_or_quantity<&axis::MoveBy::distance_microsteps, &axis::MoveBy::distance>(params);
   const auto distance = co_await must(distance_of(axis, said));
-  const auto moved = co_await must(
-      axis.move_by(distance.length(), params.predict.value_or(true), ready.moves), axis);
+  const auto predict = params.predict.value_or(true);
+  auto moving = axis.approach() ? approach_by(ready, distance.length(), predict)
+                                : axis.move_by(distance.length(), predict, ready.moves);
+  const auto moved = co_await must(std::move(moving), axis);
   auto result = co_await to_result(axis, moved, distance.known_scale());
   co_return result;
 }
@@ -124,6 +159,10 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
   if (keeps_from_moving(arrived.faults)) {
     auto fault = co_await faulty_arrival(*axis, arrived);
     co_return tl::unexpected(std::move(fault));
+  }
+  if (arrived.out_of_position) {
+    auto off = co_await out_of_position(*axis, arrived);
+    co_return tl::unexpected(std::move(off));
   }
   auto place = co_await place_of(*axis, arrived.position);
   auto warnings = arrived.warnings;

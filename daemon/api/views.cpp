@@ -74,7 +74,7 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   out.velocity_pps = reading.velocity_pps;
   out.target_microsteps = state.target.value;
   out.position_reached = state.position_reached;
-  out.moving = state.velocity.value != 0;
+  out.moving = state.velocity.value != 0 || reading.is_bound;
   if (const auto& user = reading.user) {
     out.unit = axis.unit();
     out.position = user->position.value;
@@ -242,7 +242,9 @@ api::Event view_of(const GatewayEvent& event) {
       event.kind == GatewayEvent::Kind::owner_lost ||
       event.kind == GatewayEvent::Kind::line_broken ||
       event.kind == GatewayEvent::Kind::path_broken ||
-      event.kind == GatewayEvent::Kind::mint_broken || event.kind == GatewayEvent::Kind::jog_broken)
+      event.kind == GatewayEvent::Kind::mint_broken ||
+      event.kind == GatewayEvent::Kind::jog_broken ||
+      event.kind == GatewayEvent::Kind::approach_broken)
     out.motors = motors_in(static_cast<std::uint32_t>(event.value));
   out.cause = if_any(event.cause);
   out.reason = if_any(event.reason);

@@ -38,6 +38,32 @@ bool reference_is_required(Draft& draft, const Said<std::string>& reference) {
   return false;
 }
 
+std::optional<InPosition> in_position_of(Draft& draft, const AxisSection& section) {
+  if (section.settle_ms && !section.in_position)
+    draft.complain(section.settle_ms, "'settle_ms' means nothing without 'in_position'");
+  if (!section.in_position) return std::nullopt;
+  InPosition wanted;
+  draft.set_positive(section.in_position, wanted.window);
+  if (section.settle_ms) wanted.settle = std::chrono::milliseconds(*section.settle_ms);
+  return wanted;
+}
+
+std::optional<ApproachConfig> approach_of(Draft& draft, const AxisSection& section) {
+  constexpr std::array<std::string_view, 2> sides{"from-below", "from-above"};
+  enum class Side : std::uint8_t { below, above } side{};
+  draft.set_choice(section.approach, sides, side);
+  const auto& distance = section.approach_distance;
+  if (section.approach && !distance)
+    draft.complain(section.approach,
+                   "'approach' needs 'approach_distance': how far it goes beyond a target first");
+  if (distance && !section.approach)
+    draft.complain(distance, "'approach_distance' means nothing without 'approach'");
+  if (!section.approach) return std::nullopt;
+  ApproachConfig approach{side == Side::below};
+  draft.set_positive(distance, approach.distance);
+  return approach;
+}
+
 void check_reply_id(Draft& draft, const AxisSection& section, const BusConfig& bus) {
   const auto address = *section.address;
   if (!is_can(bus.link) || address != bus.link_options.can_reply_id) return;
@@ -81,6 +107,7 @@ void set_encoder(Draft& draft, const AxisSection& section, ScaleConfig& scale) {
                    "'encoder_quadrature' means nothing without 'encoder_lines'");
   }
   draft.set_positive(counts, scale.encoder_counts_per_unit);
+  scale.encoder_is_linear = counts.has_value();
   if (!lines || counts) return;
   const tmcl::ShaftEncoder encoder{*lines, section.encoder_quadrature.value_or(true)};
   scale.encoder_counts_per_unit = counts_per_unit(encoder, scale.with_resolution(0));
@@ -124,6 +151,18 @@ void set_unit(Draft& draft, const AxisSection& section, ScaleConfig& scale) {
   set_encoder(draft, section, scale);
 }
 
+/// Another text of the file is another bus, as another configuration is.
+void set_correction(Draft& draft, const AxisSection& section, ScaleConfig& scale) {
+  const auto& path = section.correction;
+  if (!path || scale.unit.empty()) return;
+  const auto text = text_of_file(*path);
+  if (!text) return draft.complain(path, "'correction': " + text.error());
+  auto read = tmcl::Correction::of(*text);
+  if (!read) return draft.complain(path, "'correction': " + describe(read.error(), *path));
+  draft.find_bus(section.bus)->said += *text;
+  scale.correction = std::make_shared<const tmcl::Correction>(*std::move(read));
+}
+
 void set_microsteps(Draft& draft, const Said<std::uint32_t>& count, ScaleConfig& scale) {
   if (!count) return;
   if (!std::has_single_bit(*count)) {
@@ -138,6 +177,7 @@ ScaleConfig scale_of(Draft& draft, const AxisSection& section) {
   set(section.reverse, scale.reverse);
   set_microsteps(draft, section.microsteps, scale);
   set_unit(draft, section, scale);
+  set_correction(draft, section, scale);
   return scale;
 }
 
@@ -151,18 +191,6 @@ void check_is_new(Draft& draft, const AxisSection& section, const AxisConfig& ax
 }
 
 }  // namespace
-/// Another text of the file is another bus, as another configuration is.
-void set_correction(Draft& draft, const AxisSection& section, ScaleConfig& scale) {
-  const auto& path = section.correction;
-  if (!path || scale.unit.empty()) return;
-  const auto text = text_of_file(*path);
-  if (!text) return draft.complain(path, "'correction': " + text.error());
-  auto read = tmcl::Correction::of(*text);
-  if (!read) return draft.complain(path, "'correction': " + describe(read.error(), *path));
-  draft.find_bus(section.bus)->said += *text;
-  scale.correction = std::make_shared<const tmcl::Correction>(*std::move(read));
-}
-
 
 void add_axis(Draft& draft, const AxisSection& section) {
   const bool is_named = draft.has_new_name(section, draft.config.axes);
@@ -177,13 +205,14 @@ void add_axis(Draft& draft, const AxisSection& section) {
   AxisConfig axis{section.name.value_or(""),
                   bus->name,
                   {tmcl::ModuleAddress{*section.address}, *section.motor}};
-  set_correction(draft, section, scale);
   check_reply_id(draft, section, *bus);
   check_is_new(draft, section, axis);
   axis.scale = scale_of(draft, section);
   axis.needs_reference = reference_is_required(draft, section.reference);
   axis.motion_limits = motion_limits_of(draft, section);
   draft.set_positive(section.home_max_travel, axis.home_max_travel);
+  axis.in_position = in_position_of(draft, section);
+  axis.approach = approach_of(draft, section);
   if (is_named) draft.config.axes.push_back(std::move(axis));
 }
 

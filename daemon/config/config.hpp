@@ -141,6 +141,18 @@ struct MotionLimits {
   bool of_settings() const { return velocity || acceleration || deceleration || jerk || current; }
 };
 
+/// When a move is done, by an encoder.
+struct InPosition {
+  double window = 0;  ///< In the unit of the axis, to either side; without one in microsteps.
+  tmcl::Duration settle = std::chrono::milliseconds(100);
+};
+
+/// How it comes to the targets of moves.
+struct ApproachConfig {
+  bool from_below = true;
+  double distance = 0;  ///< So far beyond a target it goes first; in the unit or in microsteps.
+};
+
 struct AxisConfig {
   std::string name;
   std::string bus;
@@ -151,6 +163,8 @@ struct AxisConfig {
   MotionLimits motion_limits{};
   /// The farthest that a reference search may go one way, in the unit, or in microsteps.
   std::optional<double> home_max_travel{};
+  std::optional<InPosition> in_position{};
+  std::optional<ApproachConfig> approach{};  ///< Nothing: straight.
 };
 
 /// An output of a module, and what it is set to.

@@ -127,6 +127,18 @@ struct AxisSection : Section {
   TMCL_KEY(Said<bool>, encoder_quadrature, "four counts to each of its lines");
   TMCL_KEY(Said<double>, encoder_counts_per_unit,
            "counts of a linear encoder in one unit; instead of encoder_lines");
+  TMCL_KEY(Said<std::string>, approach,
+           "from-below or from-above: it comes to the targets of moves from that side only");
+  TMCL_KEY(
+      Said<double>, approach_distance,
+      "so far beyond a target it goes first then, in the unit, or in microsteps: more than its "
+      "play");
+  TMCL_KEY(
+      Said<double>, in_position,
+      "how near its target its encoder must be for a move to count as done, in the unit, or in "
+      "microsteps");
+  TMCL_KEY(Said<std::uint16_t>, settle_ms, "for how long it must be so near; 100 if absent",
+           {1, 60'000});
   TMCL_KEY(Said<std::string>, reference,
            "required: it is sent to no position before it has searched its reference; or optional");
   TMCL_KEY(Said<double>, home_max_travel,

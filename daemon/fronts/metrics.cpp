@@ -147,14 +147,16 @@ void add_measured_axes(Page& page, const std::vector<AxisMeasurements>& axes) {
   add_measured(page, axes, "tmcl_axis_position", "Where the axis is, in its unit.", true,
                [](const AxisMeasurements& one) -> Value {
                  if (!one.reading) return std::nullopt;
-                 const auto& [state, pps, user, taken] = *one.reading;
-                 return user ? user->position.value : static_cast<double>(state.position.value);
+                 const auto& user = one.reading->user;
+                 return user ? user->position.value
+                             : static_cast<double>(one.reading->state.position.value);
                });
   add_measured(page, axes, "tmcl_axis_target", "Where it was sent to, in its unit.", true,
                [](const AxisMeasurements& one) -> Value {
                  if (!one.reading) return std::nullopt;
-                 const auto& [state, pps, user, taken] = *one.reading;
-                 return user ? user->target.value : static_cast<double>(state.target.value);
+                 const auto& user = one.reading->user;
+                 return user ? user->target.value
+                             : static_cast<double>(one.reading->state.target.value);
                });
   add_measured(page, axes, "tmcl_axis_velocity", "Its speed, in its unit per second.", true,
                [](const AxisMeasurements& one) -> Value {

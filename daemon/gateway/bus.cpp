@@ -226,6 +226,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::path_broken: return "path_broken";
     case GatewayEvent::Kind::mint_broken: return "mint_broken";
     case GatewayEvent::Kind::jog_broken: return "jog_broken";
+    case GatewayEvent::Kind::approach_broken: return "approach_broken";
     case GatewayEvent::Kind::lease_lost: return "lease_lost";
     case GatewayEvent::Kind::owner_lost: return "owner_lost";
     case GatewayEvent::Kind::journal_failed: return "journal_failed";

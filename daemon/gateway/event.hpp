@@ -25,19 +25,20 @@ struct GatewayEvent {
     link_condition,
     link_lost,
     link_restored,
-    module_silent,   ///< A module that answered before does not any more.
-    line_broken,     ///< Axes that moved together were stopped, because one did not go as planned.
-    path_broken,     ///< The same of axes on a path; also when it was asked for.
-    mint_broken,     ///< The same of axes that a Mint program moves.
-    jog_broken,      ///< The same of an axis that is jogged.
-    lease_lost,      ///< A client has lost the right to move an axis alone.
-    owner_lost,      ///< The client has gone for which an axis turned, and it is stopped.
-    journal_failed,  ///< What would have to be put in order if the daemon is killed is not kept.
-    axis_stopped,    ///< An axis that could not be stopped before stands now, or one that
-                     ///< stopped by itself: see cause.
-    axis_fault,      ///< The driver of an axis, or its supply, has failed, or works again.
-    orphan_stopped,  ///< An axis that another run of the daemon led when it was killed.
-    module_answers,  ///< A module was identified, for the first time or again.
+    module_silent,    ///< A module that answered before does not any more.
+    line_broken,      ///< Axes that moved together were stopped, because one did not go as planned.
+    path_broken,      ///< The same of axes on a path; also when it was asked for.
+    mint_broken,      ///< The same of axes that a Mint program moves.
+    jog_broken,       ///< The same of an axis that is jogged.
+    approach_broken,  ///< The same of one that comes to its targets from one side.
+    lease_lost,       ///< A client has lost the right to move an axis alone.
+    owner_lost,       ///< The client has gone for which an axis turned, and it is stopped.
+    journal_failed,   ///< What would have to be put in order if the daemon is killed is not kept.
+    axis_stopped,     ///< An axis that could not be stopped before stands now, or one that
+                      ///< stopped by itself: see cause.
+    axis_fault,       ///< The driver of an axis, or its supply, has failed, or works again.
+    orphan_stopped,   ///< An axis that another run of the daemon led when it was killed.
+    module_answers,   ///< A module was identified, for the first time or again.
     module_in_bootloader,  ///< The same, but no firmware runs in it.
     module_reset,          ///< A module has started again: its axes are latched.
     module_replaced,       ///< A module is another one than before: its axes are latched.
@@ -52,7 +53,7 @@ struct GatewayEvent {
   std::string reason{};      ///< lease_lost: expired, closed or broken; settings_drift: report,
                              ///< restored or not_restored.
   std::string_view cause{};  ///< axis_stopped: the name of a StopCause.
-  /// line_broken, path_broken, mint_broken, jog_broken: of the axis.
+  /// line_broken, path_broken, mint_broken, jog_broken, approach_broken: of the axis.
   std::vector<UnrestoredSetting> unrestored{};
 };
 

@@ -177,6 +177,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case ClaimKind::path: return "path";
     case ClaimKind::mint: return "mint";
     case ClaimKind::jog: return "jog";
+    case ClaimKind::approach: return "approach";
     case ClaimKind::deadman_test: return "deadman test";
     case ClaimKind::verification: return "verification";
     case ClaimKind::tuning: return "tuning";

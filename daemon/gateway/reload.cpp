@@ -31,6 +31,7 @@ std::string_view what_moves(ClaimKind kind) {
     case ClaimKind::path: return "is on a path";
     case ClaimKind::mint: return "is moved by a Mint program";
     case ClaimKind::jog: return "is jogged";
+    case ClaimKind::approach: return "is on its way to its target";
     case ClaimKind::search: return "searches its reference";
     case ClaimKind::deadman_test: return "is in a test of its deadman";
     case ClaimKind::verification: return "is held against its twin";

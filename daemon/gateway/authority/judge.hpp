@@ -37,6 +37,7 @@ enum class ClaimKind : std::uint8_t {
   path,
   mint,
   jog,
+  approach,
   search,
   deadman_test,
   verification,

@@ -42,6 +42,7 @@ std::string_view words_for(ClaimKind by) {
     case ClaimKind::path: return "is on its way along a path";
     case ClaimKind::mint: return "is moved by a Mint program";
     case ClaimKind::jog: return "is jogged";
+    case ClaimKind::approach: return "is on its way to a target that it comes to from one side";
     case ClaimKind::search: return "searches its reference";
     case ClaimKind::deadman_test: return "moves to test the deadman of its module";
     case ClaimKind::verification: return "moves so that its module can be verified";

@@ -26,6 +26,9 @@ constexpr std::string_view beyond_range_hint = "move less far, or set another ac
 /// For so long an axis must stand at its target whose settings may let it swing about it.
 constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
 
+/// None left would be no limit.
+constexpr tmcl::Duration shortest_wait = std::chrono::milliseconds(1);
+
 tmcl::Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
   const auto target = std::int64_t{here.value} + distance.value;
   if (target >= range.least && target <= range.greatest)
@@ -84,6 +87,13 @@ GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
   co_return checked;
 }
 
+GatewayAxis::Awaitable<void> GatewayAxis::check_target(Length target, RunOptions options) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  auto checked = co_await axis_.run(admission_.check(action::MoveTo{target}), std::move(options));
+  co_return checked;
+}
+
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool predict,
                                                          RunOptions movement) {
   auto admitted = co_await admit(action::MoveTo{target}, std::move(movement));
@@ -94,32 +104,63 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool pre
   co_return result;
 }
 
+struct GatewayAxis::Ways {
+  tmcl::ValueRange range{};
+  std::optional<tmcl::UserScale> scale{};         ///< For a distance in the unit.
+  std::optional<tmcl::UserPosition> requested{};  ///< Where it was sent before.
+
+  tmcl::Result<Length> end_of(Length distance, Microsteps here) const {
+    if (!distance.in_unit)
+      return sum(here, distance.microsteps, range).map([](auto there) { return Length{there}; });
+    const auto end = sum(place_of(here, requested, *scale), *distance.in_unit);
+    return tmcl::to_microsteps(end, *scale, range)
+        .map([&](auto there) {
+          return Length{there, end};
+        })
+        .map_error([](const auto& error) {
+          return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
+        });
+  }
+};
+
+GatewayAxis::Awaitable<GatewayAxis::Ways> GatewayAxis::ways_by(Length distance) {
+  Ways ways;
+  const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
+  if (row != nullptr) ways.range = {row->minimum, row->maximum};
+  ways.requested = requested_;
+  if (!distance.in_unit) co_return ways;
+  auto scale = co_await known_scale();
+  if (!scale) co_return tl::unexpected(std::move(scale.error()));
+  ways.scale = std::move(*scale);
+  co_return ways;
+}
+
+GatewayAxis::Awaitable<Length> GatewayAxis::end_of(Length distance, RunOptions options) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  const auto ways = co_await ways_by(distance);
+  if (!ways) co_return tl::unexpected(ways.error());
+  auto script = tmcl::verbs::proven_position(address());
+  const auto here = co_await axis_.run(std::move(script), std::move(options));
+  if (!here) co_return tl::unexpected(here.error());
+  co_return ways->end_of(distance, *here);
+}
+
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool predict,
                                                          RunOptions movement) {
   auto admitted = co_await admit(action::MoveFromHere{}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
-  tmcl::ValueRange range;
-  const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
-  if (row != nullptr) range = {row->minimum, row->maximum};
-  std::optional<tmcl::UserScale> scale;
-  if (distance.in_unit) {
-    auto known = co_await axis_.run(units_.known_scale());
-    if (!known) co_return tl::unexpected(std::move(known.error()));
-    scale = std::move(*known);
-  }
+  const auto ways = co_await ways_by(distance);
+  if (!ways) co_return tl::unexpected(ways.error());
   // The script may outlive this call.
   const auto request = std::make_shared<std::optional<tmcl::UserPosition>>();
-  const auto in_unit = [=, before = requested_](Microsteps here) -> tmcl::Result<Microsteps> {
-    const auto from = place_of(here, before, *scale);
-    *request = sum(from, *distance.in_unit);
-    return tmcl::to_microsteps(**request, *scale, range).map_error([](const auto& error) {
-      return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
-    });
-  };
-  const auto destination = [=, aim = *admitted](Microsteps here) -> tmcl::Result<Microsteps> {
-    auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
-    if (there) aim.aim_at({*there, *request});
-    return there;
+  const auto destination = [=, ways = *ways,
+                            aim = *admitted](Microsteps here) -> tmcl::Result<Microsteps> {
+    const auto end = ways.end_of(distance, here);
+    if (!end) return tl::unexpected(end.error());
+    *request = end->in_unit;
+    aim.aim_at(*end);
+    return end->microsteps;
   };
   auto script = tmcl::verbs::move_from_here(address(), destination);
   auto result = co_await start(std::move(script), predict, std::move(*admitted));
@@ -227,6 +268,12 @@ GatewayAxis::Awaitable<RestingPosition> GatewayAxis::wait(tmcl::WaitOptions wait
     auto latch = latched();
     return latch || !of_caller ? latch : of_caller();
   };
+  Deadline deadline;
+  if (wait_options.timeout != tmcl::Duration{})
+    deadline = bus().clock().now() + wait_options.timeout;
+  auto there = co_await await_approach(deadline, options.objection);
+  if (!there) co_return tl::unexpected(std::move(there.error()));
+  if (deadline) wait_options.timeout = std::max(*deadline - bus().clock().now(), shortest_wait);
   const auto left = expected_arrival_ - bus().clock().now();
   wait_options.expected = std::max(left, tmcl::Duration{});
   wait_options.mode = tmcl::mode_parameter(parameters());
@@ -238,6 +285,24 @@ GatewayAxis::Awaitable<RestingPosition> GatewayAxis::wait(tmcl::WaitOptions wait
   if (!result && result.error().code == tmcl::Errc::move_interrupted)
     co_await add_cause(result.error());
   co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::await_approach(Deadline deadline, Objection objection) {
+  constexpr tmcl::Duration between_looks = std::chrono::seconds(1);
+  while (claim_kind() == ClaimKind::approach) {
+    const auto run = journey();
+    if (!run || run->has_ended()) break;
+    if (auto objects = objection()) co_return tl::unexpected(std::move(*objects));
+    const auto now = bus().clock().now();
+    if (deadline && now >= *deadline) {
+      auto late = tmcl::not_sent(tmcl::Errc::deadline_passed,
+                                 "axis '" + name() + "' has not arrived in time");
+      co_return tl::unexpected(axis_.on_bus(std::move(late)));
+    }
+    co_await AwaitedRun::until_told(
+        run, std::min(now + between_looks, deadline.value_or(tmcl::TimePoint::max())));
+  }
+  co_return tmcl::Result<void>{};
 }
 
 GatewayAxis::Awaitable<RestingPosition> GatewayAxis::stand(tmcl::WaitOptions wait,
@@ -255,8 +320,7 @@ GatewayAxis::Awaitable<RestingPosition> GatewayAxis::stand(tmcl::WaitOptions wai
   auto warnings = known.value_or(std::vector<std::string>());
   if (here && !warnings.empty()) {
     // It may stand there in passing only.
-    constexpr tmcl::Duration shortest = std::chrono::milliseconds(1);
-    if (deadline) wait.timeout = std::max(*deadline - bus().clock().now(), shortest);
+    if (deadline) wait.timeout = std::max(*deadline - bus().clock().now(), shortest_wait);
     wait.steady = steady_in_doubt;
     here = co_await axis_.run(wait_there(), options);
   }
@@ -265,10 +329,34 @@ GatewayAxis::Awaitable<RestingPosition> GatewayAxis::stand(tmcl::WaitOptions wai
     in_time.deadline = deadline;
     auto seen = co_await look_at_driver({}, std::move(in_time));
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
-    co_return RestingPosition{*here, std::move(warnings), faults_, unproven_faults()};
+    RestingPosition arrived{*here, std::move(warnings), faults_, unproven_faults()};
+    options.deadline = deadline;
+    auto settled = co_await await_settling(arrived, std::move(options));
+    if (!settled) co_return tl::unexpected(std::move(settled.error()));
+    co_return arrived;
   }
   if (!warnings.empty()) here.error().hint = std::string(hint_of_settings) + warnings.front();
   co_return tl::unexpected(std::move(here.error()));
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::await_settling(RestingPosition& arrived,
+                                                         RunOptions options) {
+  const auto& wanted = axis_.config().in_position;
+  if (!wanted) co_return tmcl::Result<void>{};
+  const auto window = co_await axis_.run(units_.encoder_window(arrived.position, wanted->window));
+  if (!window) co_return tl::unexpected(window.error());
+  if (!*window) {
+    arrived.warnings.emplace_back(
+        "its module has no encoder, and 'in_position' of the configuration needs one");
+    co_return tmcl::Result<void>{};
+  }
+  auto give_up = bus().clock().now() + std::max(time_to_settle, wanted->settle);
+  if (options.deadline) give_up = std::min(give_up, *options.deadline);
+  auto settling = settle(address(), **window, wanted->settle, give_up);
+  const auto off = co_await axis_.run(std::move(settling), std::move(options));
+  if (!off) co_return tl::unexpected(off.error());
+  if (*off) arrived.out_of_position = std::abs(**off / (*window)->counts_per_unit);
+  co_return tmcl::Result<void>{};
 }
 
 GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, Deadline deadline) {
@@ -330,6 +418,10 @@ GatewayAxis::Awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
   return axis_.run(units_.scale());
 }
 
+GatewayAxis::Awaitable<tmcl::UserScale> GatewayAxis::known_scale() {
+  return axis_.run(units_.known_scale());
+}
+
 GatewayAxis::Awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options,
                                                                               tmcl::Proof proof) {
   return axis_.run(units_.twin(proof), std::move(options));
@@ -373,7 +465,7 @@ boost::asio::awaitable<std::optional<tmcl::Result<AxisReading>>> GatewayAxis::lo
 GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
   const auto commands = bus().gate().commands();
   const auto settings = module().settings_epoch();
-  auto reading = co_await axis_.run(units_.reading(), only_asked_by(client));
+  auto reading = co_await axis_.run(units_.reading(bound_for_), only_asked_by(client));
   // Behind it: what was read is of the module that this one was, or the axis is latched.
   const auto watched = co_await axis_.run(module().watch(movement_sentinel_age), asked_by(client));
   if (!watched) co_return tl::unexpected(watched.error());

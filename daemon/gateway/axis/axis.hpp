@@ -40,6 +40,9 @@ struct RestingPosition {
   std::vector<std::string> warnings{};  ///< Of its settings.
   Faults faults{};                      ///< Of its driver and its supply, when it had arrived.
   Faults unproven{};                    ///< What its driver says that may not be so.
+  /// How far from there its encoder says that it is, in its unit, if that is too far by the
+  /// configuration.
+  std::optional<double> out_of_position{};
 };
 
 /// So old what is known of a driver may be when its axis is looked at.
@@ -72,6 +75,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const std::optional<double>& encoder_counts_per_unit() const {
     return axis_.config().scale.encoder_counts_per_unit;
   }
+  /// When its moves are done, by its encoder; nothing: when its counter says so.
+  const std::optional<InPosition>& in_position() const { return axis_.config().in_position; }
+  /// How it comes to the targets of moves; nothing: straight, by move_to().
+  const std::optional<ApproachConfig>& approach() const { return axis_.config().approach; }
   bool needs_reference() const { return axis_.config().needs_reference; }
   /// By the configuration, as an exponent of two; nothing: as the module has it.
   const std::optional<std::int32_t>& microstep_resolution() const {
@@ -98,6 +105,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   }
   /// Whether the axis may go to this coordinate of its module.
   Awaitable<void> check_coordinate(std::uint8_t number, RunOptions options);
+
+  /// Whether its soft limits let it go there.
+  Awaitable<void> check_target(Length target, RunOptions options);
+  /// Where a distance leads to from where the axis is: see move_by().
+  Awaitable<Length> end_of(Length distance, RunOptions options);
 
   // Each of these is admitted first. An axis with soft limits is not sent beyond them: those that
   // might do so end with Errc::beyond_soft_limit, and nothing is sent. Nor is an axis moved that
@@ -137,11 +149,16 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   // What AxisUnits knows.
   Awaitable<std::optional<tmcl::ModuleUnits>> module_units();
   Awaitable<std::optional<tmcl::UserScale>> scale();
+  Awaitable<tmcl::UserScale> known_scale();
   Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options,
                                                       tmcl::Proof proof = tmcl::Proof::none);
   std::vector<tmcl::plan::Setting> ramp_settings() const { return units_.ramp_settings(); }
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
+  /// What a move that was started in another way was to reach.
+  void note_request(Length target) { requested_ = target.in_unit; }
+  /// It goes to places before it goes to its target: that is what is told of it. Nothing: no more.
+  void note_bound_for(std::optional<tmcl::Microsteps> target) { bound_for_ = target; }
   /// It turns without end, or may: until it is seen to stand.
   bool turns() const { return bus().motors().turning_of(address()).number != 0; }
   /// It turns, and stops for no client that goes.
@@ -262,6 +279,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const std::shared_ptr<AxisPoller>& poller();
 
  private:
+  /// Where distances lead to.
+  struct Ways;
+  Awaitable<Ways> ways_by(Length distance);
+  /// While it comes to its target from one side: until that is over.
+  Awaitable<void> await_approach(Deadline deadline, Objection objection);
   Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
                                Admitted admitted);
   /// A movement that nothing is foreseen of.
@@ -284,6 +306,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const Arrivals& arrivals() const { return *bus().motors().arrivals(); }
   /// Until it stands at its target; for longer where its settings may let it swing about that.
   Awaitable<RestingPosition> stand(tmcl::WaitOptions wait, RunOptions options);
+  /// Until its encoder has been near enough for long enough, where the configuration wants that.
+  Awaitable<void> await_settling(RestingPosition& arrived, RunOptions options);
   bool is_known(tmcl::Duration max_age) const;
   ClaimOwner claim_owner() const { return bus().motors().claim_owner_of(address()); }
   /// Finds out why an axis stands that was on its way. `client`: as for warnings(), here and below.
@@ -303,6 +327,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
 
+  std::optional<tmcl::Microsteps> bound_for_;
   AxisContext axis_;
   AxisUnits units_{axis_};
   AxisAdmission admission_{axis_, units_};

@@ -5,6 +5,8 @@
 
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/prediction.hpp"
+#include "tmcl/scale_factor.hpp"
+#include "tmcl/tuning.hpp"
 #include "tmcl/units.hpp"
 
 namespace tmcld {
@@ -125,12 +127,15 @@ AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin(tmcl::Pro
   co_return if_it_tells(std::move(twin));
 }
 
-AxisUnits::Script<AxisReading> AxisUnits::reading() {
+AxisUnits::Script<AxisReading> AxisUnits::reading(std::optional<tmcl::Microsteps> bound_for) {
   AxisReading reading;
   reading.taken = co_await tmcl::current_time();
   const auto state = co_await tmcl::verbs::state(axis_.address());
   if (!state) co_return tl::unexpected(state.error());
   reading.state = *state;
+  reading.is_bound = bound_for.has_value();
+  if (bound_for) reading.state.target = *bound_for;
+  if (bound_for) reading.state.position_reached = false;
   std::optional<tmcl::PulsesPerSecond> velocity;
   const auto units = co_await module_units();
   if (!units) co_return tl::unexpected(units.error());
@@ -143,9 +148,28 @@ AxisUnits::Script<AxisReading> AxisUnits::reading() {
   if (!scale) co_return tl::unexpected(scale.error());
   if (!*scale) co_return reading;
   reading.user = {
-      tmcl::to_user(state->position, **scale), tmcl::to_user(state->target, **scale), {}};
+      tmcl::to_user(state->position, **scale), tmcl::to_user(reading.state.target, **scale), {}};
   if (velocity) reading.user->velocity = tmcl::to_user(*velocity, **scale);
   co_return reading;
+}
+
+AxisUnits::Script<std::optional<EncoderWindow>> AxisUnits::encoder_window(tmcl::Microsteps there,
+                                                                          double width) {
+  using Window = std::optional<EncoderWindow>;
+  const auto* model = axis_.module().model();
+  const auto parameter = model == nullptr ? std::nullopt : tmcl::tune_encoder(*model);
+  if (!parameter) co_return Window{};
+  const auto& config = axis_.config().scale;
+  auto scale = co_await tmcl::must(known_scale());
+  if (!config.encoder_counts_per_unit) {
+    const double unit = microsteps_per_unit(scale);
+    co_return Window{{*parameter, static_cast<double>(there.value), width * unit, unit}};
+  }
+  // An encoder on the shaft of the motor knows nothing of the screw behind it.
+  if (!config.encoder_is_linear) scale.correction = nullptr;
+  const double counts = *config.encoder_counts_per_unit;
+  const double wanted = tmcl::to_user(there, scale).value * counts;
+  co_return Window{{*parameter, scale.reverse ? -wanted : wanted, width * counts, counts}};
 }
 
 AxisUnits::Script<ParameterSample> AxisUnits::sample(std::uint8_t parameter) {

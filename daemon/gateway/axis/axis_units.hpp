@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gateway/axis/axis_context.hpp"
+#include "gateway/axis/settling.hpp"
 #include "tmcl/conversion.hpp"
 #include "tmcl/plan/axis_twin.hpp"
 #include "tmcl/quantity.hpp"
@@ -38,6 +39,8 @@ struct AxisReading {
   std::optional<double> velocity_pps;  ///< Nothing where the model is not known.
   std::optional<UserReading> user;     ///< Nothing without a unit.
   tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
+  /// It may stand for a moment, and goes on to its target then.
+  bool is_bound = false;
 };
 
 /// A parameter of an axis, as it was read.
@@ -84,7 +87,12 @@ class AxisUnits {
   std::vector<tmcl::plan::Setting> ramp_settings() const {
     return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
   }
-  Script<AxisReading> reading();
+  /// `bound_for`: where it goes on to, whatever its module has as its target.
+  Script<AxisReading> reading(std::optional<tmcl::Microsteps> bound_for = {});
+  /// What its encoder is to read when it stands there, by `in_position` of the configuration.
+  /// Nothing where its module has no encoder. Errors: Errc::bad_argument where its scale cannot be
+  /// known.
+  Script<std::optional<EncoderWindow>> encoder_window(tmcl::Microsteps there, double width);
   Script<ParameterSample> sample(std::uint8_t parameter);
 
   /// This parameter may have been set: said before and after it is. `held`: its module says that

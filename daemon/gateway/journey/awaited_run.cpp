@@ -24,9 +24,21 @@ awaitable<std::optional<tmcl::Error>> AwaitedRun::pass(std::shared_ptr<AwaitedRu
   }
   self->release(&self->report());
   self->ended_ = true;
+  self->tell();
   if (failure) std::rethrow_exception(failure);
   self->tell_fault();
   co_return std::nullopt;
+}
+
+awaitable<void> AwaitedRun::until_told(std::shared_ptr<AwaitedRun> self, tmcl::TimePoint until) {
+  const auto wake = std::make_shared<Wake>(self->executor_);
+  self->waiting_.push_back(wake);
+  co_await wake->wait_until(until);
+  std::erase(self->waiting_, wake);
+}
+
+void AwaitedRun::tell() {
+  for (const auto& wake : std::exchange(waiting_, {})) wake->notify();
 }
 
 void AwaitedRun::end(DriveFault why) {

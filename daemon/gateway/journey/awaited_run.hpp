@@ -31,6 +31,10 @@ class AwaitedRun : public DriveRun {
   /// One of its axes may have been stopped.
   void look() { woken_.notify(); }
 
+  /// Returns when something has become of it, or then.
+  static boost::asio::awaitable<void> until_told(std::shared_ptr<AwaitedRun> self,
+                                                 tmcl::TimePoint until);
+
   virtual const tmcl::plan::DriveReport& report() const = 0;
   bool has_ended() const { return ended_; }
   /// Once it has ended: those that could not be stopped and may still move.
@@ -42,11 +46,16 @@ class AwaitedRun : public DriveRun {
  protected:
   AwaitedRun(const boost::asio::any_io_executor& executor, std::vector<DriveMember> members,
              ClaimKind kind, GatewayEvent::Kind when_broken)
-      : DriveRun(executor, std::move(members)), claim_kind_(kind), when_broken_(when_broken) {}
+      : DriveRun(executor, std::move(members)),
+        claim_kind_(kind),
+        when_broken_(when_broken),
+        executor_(executor) {}
 
   virtual tmcl::plan::Drive& what_drives() = 0;
   /// Called at the beginning, and then every progress_interval.
   virtual void tell_progress() = 0;
+  /// To all that wait for that.
+  void tell();
 
  private:
   boost::asio::awaitable<std::optional<tmcl::Error>> take_axes();
@@ -59,6 +68,8 @@ class AwaitedRun : public DriveRun {
 
   ClaimKind claim_kind_;
   GatewayEvent::Kind when_broken_;
+  boost::asio::any_io_executor executor_;
+  std::vector<std::shared_ptr<Wake>> waiting_;
   tmcl::TimePoint progress_due_{};
   bool ended_ = false;
 };

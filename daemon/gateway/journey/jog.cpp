@@ -1,16 +1,13 @@
 #include "gateway/journey/jog.hpp"
 
-#include <exception>
 #include <utility>
 #include <vector>
 
 #include <boost/asio/this_coro.hpp>
 
 #include "async/spawn.hpp"
-#include "async/wake.hpp"
 #include "gateway/axis/axis_range.hpp"
-#include "gateway/journey/awaited_run.hpp"
-#include "tmcl/drive_report.hpp"
+#include "gateway/journey/wished_run.hpp"
 #include "tmcl/plan/ramp_limits.hpp"
 
 namespace tmcld {
@@ -63,13 +60,10 @@ GatewayAxis::Awaitable<JogAxis> look_at(GatewayAxis& axis, RunOptions options) {
   co_return known;
 }
 
-class JogRun final : public AwaitedRun {
+class JogRun final : public WishedRun {
  public:
   JogRun(const boost::asio::any_io_executor& executor, DriveMember member)
-      : AwaitedRun(executor, {std::move(member)}, ClaimKind::jog, GatewayEvent::Kind::jog_broken),
-        executor_(executor) {}
-
-  std::uint64_t client() const { return members_.front().movement.permit.client; }
+      : WishedRun(executor, std::move(member), ClaimKind::jog, GatewayEvent::Kind::jog_broken) {}
 
   /// See tmcl::plan::JogDrive.
   tmcl::Result<std::optional<std::uint64_t>> wish(JogWish wish) {
@@ -81,74 +75,32 @@ class JogRun final : public AwaitedRun {
   /// What has come of a wish.
   static awaitable<tmcl::Result<StartedJog>> outcome(std::shared_ptr<JogRun> self,
                                                      std::uint64_t wish) {
-    const auto wake = std::make_shared<Wake>(self->executor_);
-    while (!self->is_over_ && self->drive_.done() < wish) {
-      self->waiting_.push_back(wake);
-      co_await wake->wait();
-    }
-    if (self->drive_.done() >= wish)
-      co_return StartedJog{self->drive_.goal(), self->journal_failure()};
-    co_return tl::unexpected(self->failure_of_jog());
-  }
-
-  static awaitable<void> run(std::shared_ptr<JogRun> self) {
-    std::exception_ptr thrown;
-    try {
-      self->refusal_ = co_await pass(self);
-    } catch (...) {
-      thrown = std::current_exception();
-    }
-    self->is_over_ = true;
-    self->tell();
-    if (thrown) std::rethrow_exception(thrown);
+    auto carried_out = co_await WishedRun::outcome(self, wish);
+    if (!carried_out) co_return tl::unexpected(std::move(carried_out.error()));
+    co_return StartedJog{self->drive_.goal(), self->journal_failure()};
   }
 
   const tmcl::plan::DriveReport& report() const override { return drive_.report(); }
 
  private:
   tmcl::plan::Drive& what_drives() override { return drive_; }
-  void tell_progress() override {}
+  std::uint64_t carried_out() const override { return drive_.done(); }
+  std::string what_it_is() const override { return "the jog of axis '" + axis().name() + "'"; }
 
   awaitable<tmcl::TimePoint> before_step() override {
     if (!std::exchange(has_looked_, true)) {
-      auto known = co_await look_at(*members_.front().axis, members_.front().movement);
+      auto known = co_await look_at(axis(), members_.front().movement);
       if (known) {
         drive_.know(std::move(*known));
       } else {
         drive_.stop({DriveFault::Kind::unsuited, 0, {}, std::move(known.error()), {}});
       }
     }
-    tell();
-    co_return tmcl::TimePoint::max();
+    co_return co_await WishedRun::before_step();
   }
 
-  void aim(const DriveMember& member, tmcl::Microsteps target) const override {
-    member.admitted->aim_at({target});
-  }
-
-  void tell() {
-    for (const auto& wake : std::exchange(waiting_, {})) wake->notify();
-  }
-
-  tmcl::Error failure_of_jog() const {
-    if (refusal_) return *refusal_;
-    const auto& axis = *members_.front().axis;
-    const auto& fault = report().fault;
-    if (fault && fault->error) return *fault->error;
-    auto error =
-        tmcl::not_sent(tmcl::Errc::move_interrupted,
-                       fault ? text_of(*fault) : "the jog of axis '" + axis.name() + "' has ended");
-    error.outcome = tmcl::Outcome::done;
-    error.bus = axis.bus().name();
-    return error;
-  }
-
-  boost::asio::any_io_executor executor_;
   tmcl::plan::JogDrive drive_;
-  std::vector<std::shared_ptr<Wake>> waiting_;
-  std::optional<tmcl::Error> refusal_;  // before it had begun
   bool has_looked_ = false;
-  bool is_over_ = false;
 };
 
 /// The gateway leads an axis that is jogged, but only for a client that might move it itself.

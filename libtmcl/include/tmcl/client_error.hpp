@@ -44,6 +44,8 @@ constexpr std::string_view timeout = "daemon_timeout";  ///< No answer in time.
 constexpr std::string_view cancelled = "cancelled";     ///< Options::cancelled said so.
 /// The axis has arrived by its counter, and its driver was off.
 constexpr std::string_view driver_fault = "driver_fault";
+/// The same, and its encoder is too far from there.
+constexpr std::string_view not_in_position = "not_in_position";
 }  // namespace error_name
 
 /// A request that cannot be met: `bad_request`, unless it could be but for the state or the

@@ -12,6 +12,8 @@ namespace tmcl::verbs {
 /// Where a move from a place ends, or why it must not begin.
 using Destination = std::function<Result<Microsteps>(Microsteps here)>;
 
+/// As a movement is decided on: see Proof.
+Script<Result<Microsteps>> proven_position(AxisAddress axis);
 /// Reads where the axis is, asks where it is to go from there, and starts a move to that place;
 /// gives it back. When the reading fails nothing has moved: Outcome::not_sent, whatever is known
 /// about the reading.

@@ -52,7 +52,8 @@ Outcome outcome_named(std::string_view name) {
 }
 
 ErrorKind kind_of(std::int64_t code, std::string_view name) {
-  if (name == name_of(Errc::move_interrupted) || name == error_name::driver_fault)
+  if (name == name_of(Errc::move_interrupted) || name == error_name::driver_fault ||
+      name == error_name::not_in_position)
     return ErrorKind::ended_early;
   if (code == invalid_params) return kind_of_objection(name);
   return code == not_allowed ? ErrorKind::not_now : ErrorKind::failed;

@@ -182,15 +182,20 @@ Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
   co_return target;
 }
 
-Script<Result<Microsteps>> move_from_here(AxisAddress axis, Destination destination) {
+Script<Result<Microsteps>> proven_position(AxisAddress axis) {
   const auto read = axis_request(axis, Command::GAP, ap::actual_position);
-  const auto here = co_await ask(read, with_proof(Proof::twice));
+  const auto here = co_await must(ask(read, with_proof(Proof::twice)));
+  co_return Microsteps{here};
+}
+
+Script<Result<Microsteps>> move_from_here(AxisAddress axis, Destination destination) {
+  const auto here = co_await proven_position(axis);
   if (!here) {
     auto error = here.error();
     error.outcome = Outcome::not_sent;
     co_return tl::unexpected(std::move(error));
   }
-  auto there = destination(Microsteps{*here});
+  auto there = destination(*here);
   if (!there) co_return there;
   co_return co_await move_to(axis, *there);
 }

@@ -86,7 +86,9 @@ Error explained(const Journey& journey, const AxisReading& reading, Error failur
     late.name = "timeout";
     return late;
   }
-  if (failure.name == tmcl::client::error_name::driver_fault) return failure;
+  const bool has_arrived = failure.name == tmcl::client::error_name::driver_fault ||
+                           failure.name == tmcl::client::error_name::not_in_position;
+  if (has_arrived) return failure;
   if (exit_code_of(failure) == ExitCode::not_reached) return move_interrupted(journey, reading);
   return lost_sight(journey, std::move(failure), context);
 }

@@ -314,7 +314,8 @@ struct State {
              "speed in microsteps per second; null if unknown");
   TMCL_FIELD(std::int32_t, target_microsteps, "where it is to go");
   TMCL_FIELD(bool, position_reached, "position equals target, perhaps only in passing");
-  TMCL_FIELD(bool, moving, "its speed is not zero");
+  TMCL_FIELD(bool, moving,
+             "its speed is not zero, or it turns round to come to its target from one side");
   TMCL_FIELD(std::optional<std::string>, unit,
              "what the next three are in; null if the axis has none");
   TMCL_FIELD(std::optional<double>, position, "where it is");
