@@ -12,6 +12,11 @@
 /// it in the time that the arc would take. So a tolerance of 0 stops at each corner, and a path
 /// that turns back stops in any case. A corner that turns by less than `straight` is none; a leg so
 /// short that the last bits of its coordinates turn it by more has corners.
+///
+/// With a jerk the acceleration along the path changes by no more than that in a second: the speed
+/// is an S-curve, and the path takes longer. From one stop to the next one there is one
+/// acceleration, the least that a leg there has, or less. In a corner a velocity still changes at
+/// once.
 #pragma once
 
 #include <array>
@@ -46,6 +51,8 @@ struct PathLimits {
   /// Greater than zero; all but the jump finite.
   std::array<AxisLimits, most_path_axes> axis{};
   double corner_tolerance = 0;
+  /// Along the path; greater than zero.
+  double jerk = std::numeric_limits<double>::infinity();
 };
 
 /// Straight to a target, along all axes together.
@@ -68,6 +75,7 @@ struct PathFault {
     target,
     feed,
     magnitude,
+    jerk,
   };
   Kind kind;
   std::size_t leg = 0;   ///< From 0; for target and feed.
@@ -79,6 +87,7 @@ struct PathFault {
 std::string describe(const PathFault& fault);
 
 /// How a leg is passed: three times, of which any may be zero. A leg of no length takes no time.
+/// With a jerk there is one time, `even`, and the peak speed and the acceleration are the greatest.
 struct LegPlan {
   double begin = 0;  ///< Since the start of the path.
   double length = 0;
@@ -89,6 +98,8 @@ struct LegPlan {
   double up = 0;            ///< How long it speeds up...
   double even = 0;          ///< ...keeps its speed...
   double down = 0;          ///< ...and slows down.
+
+  double way = 0;  ///< Along the path, before it.
 
   double duration() const { return up + even + down; }
   double end() const { return begin + duration(); }
@@ -107,6 +118,21 @@ struct AxisRamp {
   double amax = 0;
   double dmax = 0;
   double vstop = 0;
+};
+
+/// The speed along a path, with a jerk: where it is at first, and how it changes.
+struct SpeedPhase {
+  double begin = 0;
+  double way = 0;
+  double speed = 0;
+  double acceleration = 0;
+  double jerk = 0;
+
+  /// `t`: since its begin.
+  SpeedPhase after(double t) const {
+    return {begin + t, way + t * (speed + t * (acceleration / 2 + t * jerk / 6)),
+            speed + t * (acceleration + t * jerk / 2), acceleration + t * jerk, jerk};
+  }
 };
 
 struct PathState {
@@ -134,9 +160,14 @@ class PathPlan {
   PathState at(double t) const;
   PathMotion motion_at(double t) const;
 
+  /// With a jerk the first time, not before `t`, at which a phase of the speed begins, or a part of
+  /// one whose acceleration changes; infinite if there is none.
+  double bend_not_before(double t) const;
+
   /// What it holds of memory, beside itself.
   std::size_t bytes() const {
-    return corners_.capacity() * sizeof(AxisValues) + legs_.capacity() * sizeof(LegPlan);
+    return corners_.capacity() * sizeof(AxisValues) + legs_.capacity() * sizeof(LegPlan) +
+           phases_.capacity() * sizeof(SpeedPhase);
   }
 
  private:
@@ -144,10 +175,13 @@ class PathPlan {
                                                      const PathLimits&);
   double share(std::size_t leg, std::size_t axis) const;
   std::size_t leg_at(double t) const;
+  SpeedPhase speed_at(double t) const;
+  void pass_smoothly(std::vector<SpeedPhase> phases);
 
   std::size_t axes_ = 0;
   std::vector<AxisValues> corners_;  // the start, and the target of each leg
   std::vector<LegPlan> legs_;
+  std::vector<SpeedPhase> phases_;  // with a jerk; the last one is the end
 };
 
 /// From rest at `start` through all legs, at most most_legs, to rest.

@@ -50,7 +50,9 @@ double CoursePace::most_in_corner(std::size_t index) const {
 
 double CoursePace::most_rate(double passed, double slope, double most) const {
   const auto first = course_->leg_at(passed);
-  if (most <= 1 || !course_->has_legs() || !first) return std::min(most, 1.0);
+  // A jerk would be greater by the cube of the rate.
+  const bool is_smooth = std::isfinite(course_->limits().jerk);
+  if (most <= 1 || is_smooth || !course_->has_legs() || !first) return std::min(most, 1.0);
   // The square of the rate, for that changes evenly on the way.
   double square = most * most;
   const auto keep = [&](double rate, double at) {

@@ -37,6 +37,10 @@ double CourseBends::not_before(double time) {
 }
 
 double CourseBends::not_before(double time, Part& part) const {
+  return std::min(leg_not_before(time, part), course_->plain_bend_not_before(time));
+}
+
+double CourseBends::leg_not_before(double time, Part& part) const {
   for (; part.leg < course_->legs(); ++part.leg) {
     const auto leg = course_->leg(part.leg);
     if (time <= leg.begin) return leg.begin;

@@ -13,7 +13,8 @@ inline constexpr double jump_part = 0.02;
 inline constexpr double shortest_segment_ramp = 0.5;
 
 /// The times at which the speed of an axis bends: where a leg begins, where it begins to slow down,
-/// and where the course comes to a stand.
+/// where the course comes to a stand,
+/// and with a jerk where an acceleration has changed for a while.
 class CourseBends {
  public:
   /// After a joint at which speeds jump and then grow, there is a bend so much later.
@@ -31,6 +32,7 @@ class CourseBends {
     std::size_t leg = 0;
   };
   double not_before(double time, Part& part) const;
+  double leg_not_before(double time, Part& part) const;
 
   const Course* course_;
   double joint_s_;

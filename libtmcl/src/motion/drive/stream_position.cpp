@@ -70,6 +70,9 @@ DriveRunner::Fault PositionRunner::fault_of_axes() const {
   if (!course_.impulses().empty())
     return fault(FaultKind::unsuited, {},
                  "position mode cannot shape a path; use velocity mode, or segments");
+  if (std::isfinite(course_.limits().jerk))
+    return fault(FaultKind::unsuited, {},
+                 "position mode cannot limit a jerk; use velocity mode, or segments");
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& info = axes_[axis];
     if (!info.twin || info.twin->model().family != Family::sixpoint) {

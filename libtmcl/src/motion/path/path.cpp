@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 #include <optional>
 
+#include "motion/path/smooth_speed.hpp"
 #include "motion/solve/arithmetic.hpp"
 #include "tmcl/ensure.hpp"
 
@@ -14,6 +16,12 @@ namespace tmcl::plan {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+// With a jerk, a corner that is slower than this part of the speeds beside it is a stop.
+constexpr double slow_as_a_stop = 1e-3;
+// A time is found to the last bits in so many halvings.
+constexpr int halvings = 60;
+// A phase whose acceleration changes is looked at in so many parts.
+constexpr int parts_of_a_change = 4;
 
 // The first axis that is not finite.
 std::optional<std::size_t> undefined(const AxisValues& values, std::size_t axes) {
@@ -33,6 +41,7 @@ std::optional<PathFault> fault_of(const PathLimits& limits) {
     }
     if (!(limits.axis[axis].corner_jump > 0)) return PathFault{Kind::corner_jump, 0, axis};
   }
+  if (!(limits.jerk > 0)) return PathFault{Kind::jerk};
   const bool tolerable = limits.corner_tolerance >= 0 && std::isfinite(limits.corner_tolerance);
   return tolerable ? std::nullopt : std::optional(PathFault{Kind::tolerance});
 }
@@ -112,6 +121,45 @@ LegPlan trapezoid(const Stretch& along, double exit) {
   return leg;
 }
 
+// With a jerk: from the first stretch until the path stops.
+std::vector<SpeedLimit> until_stop(std::span<const Stretch> stretches, const PathLimits& limits) {
+  std::vector<SpeedLimit> all;
+  for (const auto& stretch : stretches) {
+    SpeedLimit limit{stretch.length, stretch.speed};
+    if (!all.empty()) {
+      const auto& before = stretches[all.size() - 1];
+      limit.corner = corner_speed(before.direction, stretch.direction,
+                                  std::min(before.length, stretch.length), limits);
+      if (limit.corner < slow_as_a_stop * std::min(before.speed, stretch.speed)) return all;
+    }
+    all.push_back(limit);
+  }
+  return all;
+}
+
+std::vector<SpeedPhase> smooth_speeds(std::span<const Stretch> stretches,
+                                      const PathLimits& limits) {
+  std::vector<SpeedPhase> phases{{}};
+  while (!stretches.empty()) {
+    const auto part = until_stop(stretches, limits);
+    const auto begin = phases.back();
+    double end = begin.way, acceleration = infinity;
+    for (const auto& stretch : stretches.first(part.size())) {
+      end += stretch.length;
+      acceleration = std::min(acceleration, stretch.acceleration);
+    }
+    phases.pop_back();
+    for (auto phase : smooth_speed(part, acceleration, limits.jerk)) {
+      phase.begin += begin.begin;
+      phase.way += begin.way;
+      phases.push_back(phase);
+    }
+    phases.back().way = end;
+    stretches = stretches.subspan(part.size());
+  }
+  return phases;
+}
+
 // The greatest size that cos(t) a + sin(t) b has on the way from t = 0 to where it is `last`, less
 // than half a turn later; the derivative is b at first and `slope` at last.
 double greatest(double a, double b, double last, double slope) {
@@ -187,6 +235,54 @@ AxisRamp PathPlan::ramp(std::size_t leg, std::size_t axis) const {
           part * plan.end_speed};
 }
 
+/// Before the end.
+SpeedPhase PathPlan::speed_at(double t) const {
+  const auto later = std::ranges::upper_bound(phases_, t, {}, &SpeedPhase::begin);
+  const auto& phase = *std::prev(later);
+  return phase.after(t - phase.begin);
+}
+
+double PathPlan::bend_not_before(double t) const {
+  const auto next = std::ranges::lower_bound(phases_, t, {}, &SpeedPhase::begin);
+  if (next == phases_.end()) return infinity;
+  if (next == phases_.begin() || std::prev(next)->jerk == 0) return next->begin;
+  const double begin = std::prev(next)->begin;
+  const double part = (next->begin - begin) / parts_of_a_change;
+  const double passed = std::ceil((t - begin) / part);
+  return passed < parts_of_a_change ? std::max(t, begin + passed * part) : next->begin;
+}
+
+/// Finds when each leg begins, and how fast it is passed.
+void PathPlan::pass_smoothly(std::vector<SpeedPhase> phases) {
+  phases_ = std::move(phases);
+  auto phase = phases_.begin();
+  auto here = *phase;
+  for (auto& leg : legs_) {
+    leg.begin = here.begin;
+    if (leg.length == 0) continue;
+    const auto note = [&leg](const SpeedPhase& passed) {
+      leg.peak_speed = std::max(leg.peak_speed, passed.speed);
+      leg.acceleration = std::max(leg.acceleration, std::abs(passed.acceleration));
+    };
+    leg.start_speed = here.speed;
+    note(here);
+    const double end = leg.way + leg.length;
+    const bool is_last = end == legs_.back().way + legs_.back().length;
+    for (; std::next(phase) != phases_.end() && (is_last || std::next(phase)->way <= end); ++phase)
+      note(*std::next(phase));
+    double early = std::max(here.begin - phase->begin, 0.0);
+    double late = is_last ? early : std::next(phase)->begin - phase->begin;
+    for (int halving = 0; halving < halvings && early < late; ++halving) {
+      const double middle = std::midpoint(early, late);
+      (phase->after(middle).way < end ? early : late) = middle;
+    }
+    here = phase->after(late);
+    note(here);
+    leg.even = here.begin - leg.begin;
+    leg.end_speed = here.speed;
+  }
+}
+
 /// Of a time before the end.
 std::size_t PathPlan::leg_at(double t) const {
   const auto later =
@@ -203,11 +299,18 @@ PathState PathPlan::at(double t) const {
   }
   const auto index = leg_at(t);
   const auto& leg = legs_[index];
-  const double after = std::max(t, 0.0) - leg.begin;
+  const double since_start = std::max(t, 0.0);
+  const double after = since_start - leg.begin;
+  double way = leg.way_after(after), speed = leg.speed_after(after);
+  if (!phases_.empty()) {
+    const auto along = speed_at(since_start);
+    way = std::clamp(along.way - leg.way, 0.0, leg.length);
+    speed = along.speed;
+  }
   for (std::size_t axis = 0; axis < axes_; ++axis) {
     const double part = share(index, axis);
-    state.position[axis] = corners_[index][axis] + part * leg.way_after(after);
-    state.velocity[axis] = part * leg.speed_after(after);
+    state.position[axis] = corners_[index][axis] + part * way;
+    state.velocity[axis] = part * speed;
   }
   return state;
 }
@@ -216,9 +319,13 @@ PathMotion PathPlan::motion_at(double t) const {
   PathMotion motion{at(t)};
   if (t < 0 || t >= duration()) return motion;
   const auto index = leg_at(t);
-  const double acceleration = legs_[index].acceleration_after(t - legs_[index].begin);
-  for (std::size_t axis = 0; axis < axes_; ++axis)
-    motion.acceleration[axis] = share(index, axis) * acceleration;
+  SpeedPhase along;
+  along.acceleration = legs_[index].acceleration_after(t - legs_[index].begin);
+  if (!phases_.empty()) along = speed_at(t);
+  for (std::size_t axis = 0; axis < axes_; ++axis) {
+    motion.acceleration[axis] = share(index, axis) * along.acceleration;
+    motion.jerk[axis] = share(index, axis) * along.jerk;
+  }
   return motion;
 }
 
@@ -240,12 +347,20 @@ tl::expected<PathPlan, PathFault> plan_path(const AxisValues& start, std::span<c
     if (length > 0) stretches.push_back(stretch(i, plan.corners_.back(), legs[i], length, limits));
     plan.corners_.push_back(legs[i].target);
   }
-  look_ahead(stretches, limits);
+  const bool is_smooth = std::isfinite(limits.jerk) && !stretches.empty();
+  if (!is_smooth) look_ahead(stretches, limits);
   for (std::size_t i = 0; i < stretches.size(); ++i) {
+    auto& leg = plan.legs_[stretches[i].index];
     const double exit = i + 1 < stretches.size() ? stretches[i + 1].entry : 0;
-    plan.legs_[stretches[i].index] = trapezoid(stretches[i], exit);
+    if (!is_smooth) leg = trapezoid(stretches[i], exit);
+    leg.length = stretches[i].length;
   }
-  for (std::size_t i = 1; i < legs.size(); ++i) plan.legs_[i].begin = plan.legs_[i - 1].end();
+  for (std::size_t i = 1; i < legs.size(); ++i) {
+    const auto& before = plan.legs_[i - 1];
+    plan.legs_[i].begin = before.end();
+    plan.legs_[i].way = before.way + before.length;
+  }
+  if (is_smooth) plan.pass_smoothly(smooth_speeds(stretches, limits));
   if (!std::isfinite(plan.duration())) return tl::unexpected(PathFault{PathFault::Kind::magnitude});
   return plan;
 }
@@ -268,6 +383,7 @@ std::string describe(const PathFault& fault) {
     case Kind::target:
       return fmt::format("leg {}: the target of axis {} must be finite", fault.leg, fault.axis);
     case Kind::feed: return fmt::format("leg {}: the feed must be greater than zero", fault.leg);
+    case Kind::jerk: return "the jerk must be greater than zero";
     case Kind::magnitude: return "the path is too long for a double";
   }
   return "unknown";

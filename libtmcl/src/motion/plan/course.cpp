@@ -197,6 +197,8 @@ tl::expected<Course, std::string> Course::of(const path_file::Path& path, const 
                                              double feed, const std::optional<Shaping>& shaping) {
   const double longer = shaping ? longest_delay(impulses_of(*shaping)) : 0;
   auto course = Maker(path, limits, feed, longer).make();
+  if (course && course->timed_ && std::isfinite(limits.jerk))
+    return tl::unexpected<std::string>("a table with times is passed as it says, with any jerk");
   if (course && shaping) course->shape(*shaping);
   return course;
 }
@@ -270,6 +272,17 @@ PathMotion Course::plain_motion_at(double t) const {
   if (const auto* plan = std::get_if<PathPlan>(&piece.what)) return plan->motion_at(after);
   if (const auto* rest = std::get_if<Rest>(&piece.what)) return {{rest->position, {}}, {}, {}};
   return motion_at(std::get<Timetable>(piece.what), after);
+}
+
+double Course::plain_bend_not_before(double t) const {
+  if (pieces_.empty()) return std::numeric_limits<double>::infinity();
+  for (const auto* piece = &piece_at(t); piece != pieces_.data() + pieces_.size(); ++piece) {
+    const auto* plan = std::get_if<PathPlan>(&piece->what);
+    if (plan == nullptr) continue;
+    const double bend = plan->bend_not_before(t - piece->begin);
+    if (std::isfinite(bend)) return piece->begin + bend;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 CourseLeg Course::leg(std::size_t index) const {

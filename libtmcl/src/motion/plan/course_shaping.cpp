@@ -84,11 +84,16 @@ std::vector<double> Course::plain_bends() const {
   for (const auto& piece : pieces_) {
     bends.push_back(piece.begin);
     if (const auto* plan = std::get_if<PathPlan>(&piece.what)) {
+      const auto first = static_cast<std::ptrdiff_t>(bends.size());
       for (const auto& leg : plan->legs()) {
         const double begin = piece.begin + leg.begin;
         bends.insert(bends.end(),
                      {begin + leg.up, begin + leg.up + leg.even, piece.begin + leg.end()});
       }
+      const auto middle = static_cast<std::ptrdiff_t>(bends.size());
+      for (double t = 0; std::isfinite(t = plan->bend_not_before(t)); t += 2 * just_beside)
+        bends.push_back(piece.begin + t);
+      std::inplace_merge(bends.begin() + first, bends.begin() + middle, bends.end());
     } else if (const auto* rows = std::get_if<Timetable>(&piece.what)) {
       for (std::size_t row = 0; row + 1 < rows->size(); ++row) {
         for (int look = 1; look <= looks_between_rows; ++look)
