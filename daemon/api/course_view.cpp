@@ -69,6 +69,18 @@ std::optional<path::Shaping> view_of(const Course& course,
   return view;
 }
 
+path::JerkLimit view_of_jerk(const Course& course, const Course& unlimited,
+                             const std::optional<tmcl::ramp::Resonance>& resonance,
+                             const std::vector<std::string>& names) {
+  const auto report = tmcl::plan::report_on_jerk(course, unlimited, resonance);
+  path::JerkLimit view{course.limits().jerk, report.longer_s, {}, {}};
+  if (!resonance) return view;
+  view.resonance_hz = resonance->frequency_hz;
+  for (std::size_t axis = 0; axis < course.axes(); ++axis)
+    view.axes.push_back({names[axis], report.swing[axis], report.unlimited[axis]});
+  return view;
+}
+
 path::Curve curve_of(const Course& course, int points) {
   path::Curve curve;
   for (int i = 0; i <= points; ++i) {

@@ -19,6 +19,11 @@ tmcl::api::path::Course view_of(const tmcl::plan::Course& course,
 std::optional<tmcl::api::path::Shaping> view_of(const tmcl::plan::Course& course,
                                                 const std::optional<tmcl::plan::Shaping>& shaping,
                                                 const std::vector<std::string>& names);
+/// `unlimited` is the same without its jerk. `resonance`: of the loads that are told of.
+tmcl::api::path::JerkLimit view_of_jerk(const tmcl::plan::Course& course,
+                                        const tmcl::plan::Course& unlimited,
+                                        const std::optional<tmcl::ramp::Resonance>& resonance,
+                                        const std::vector<std::string>& names);
 /// Where the axes are at so many times and at the end: enough to draw it.
 tmcl::api::path::Curve curve_of(const tmcl::plan::Course& course, int points);
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cctype>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "api/journey.hpp"
 #include "api/path_rehearsal.hpp"
 #include "api/path_request.hpp"
+#include "api/resonance_request.hpp"
 #include "api/staging.hpp"
 #include "async/rest.hpp"
 #include "gateway/authority/axis_limits.hpp"
@@ -187,9 +189,16 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
 
 // ---- the course ----
 
-/// Done with a course where it is made: that may take long, too. `axes`: of the file.
-using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes,
-                                const Cast& cast, const plan::PathRequest& request)>;
+/// A course, and what it was made of.
+struct Made {
+  const plan::Course& course;
+  const std::vector<std::string>& axes;  ///< Of the file.
+  const Cast& cast;
+  const plan::PathRequest& request;
+  std::function<plan::PathResult<plan::Course>()> without_jerk;  ///< Makes the same without one.
+};
+/// Done with a course where it is made: that may take long, too.
+using Look = std::function<void(const Made&)>;
 
 /// As the configuration is now.
 std::shared_ptr<const plan::path_file::GcodeSetup> setup_for(const Call& call,
@@ -203,6 +212,7 @@ std::shared_ptr<const plan::path_file::GcodeSetup> setup_for(const Call& call,
 Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
   auto request = co_await must(request_of(params));
   request.shaping = co_await must(shaping_of(params));
+  request.resonance = co_await must(resonance_of(params.resonance_hz, params.damping));
   // Before the text is read, which may take a while.
   if (!with_namesakes && !params.axes) {
     co_return param_error("bad_argument", "axes",
@@ -236,13 +246,18 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
                   cast = std::move(cast), look = std::move(look)]() mutable {
     const auto letters = source.path.axes;
-    auto course =
+    auto limits = limits_of(known);
+    const auto counted =
         from_where_axes_stand(std::move(source), *text, known, request)
-            .and_then([&](auto from_there) { return by_steps(std::move(from_there), known); })
-            .and_then([&](const auto& counted) {
-              return course_of(counted, limits_of(known), feed, request.tolerance, request.shaping);
-            });
-    if (course) look(*course, letters, cast, request);
+            .and_then([&](auto from_there) { return by_steps(std::move(from_there), known); });
+    const auto pass = [&](const plan::PathSource& path) {
+      return course_of(path, limits, feed, request.tolerance, request.shaping);
+    };
+    auto course = counted.and_then(pass);
+    if (!course) return course;
+    limits.jerk = std::numeric_limits<double>::infinity();
+    const auto without_jerk = [&] { return counted.and_then(pass); };
+    look({*course, letters, cast, request, without_jerk});
     return course;
   };
   auto course = co_await planner.plan(std::move(plan_it));
@@ -397,12 +412,15 @@ Answer<path::Stage> stage_path(Call& call, const path::Stage& params) {
 
 Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
   const auto result = std::make_shared<path::Planned>();
-  auto look = [result, points = params.points.value_or(0)](
-                  const plan::Course& course, const std::vector<std::string>& axes,
-                  const Cast& cast, const plan::PathRequest& request) {
+  auto look = [result, points = params.points.value_or(0)](const Made& made) {
+    const auto& [course, axes, cast, request, without_jerk] = made;
     result->expected = expected_of(course, cast, request);
     result->course = view_of(course, axes);
     result->shaping = view_of(course, request.shaping, axes);
+    if (request.jerk) {
+      const auto unlimited = without_jerk();
+      if (unlimited) result->jerk = view_of_jerk(course, *unlimited, request.resonance, axes);
+    }
     if (points > 0) result->curve = curve_of(course, points);
   };
   auto planned = co_await must(plan_for(call, params, true, std::move(look)));
@@ -419,9 +437,8 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
 
 Answer<path::Run> run_path(Call& call, const path::Run& params) {
   const auto expected = std::make_shared<std::vector<path::Expected>>();
-  auto look = [expected](const plan::Course& course, const auto& /*axes*/, const Cast& cast,
-                         const plan::PathRequest& request) {
-    *expected = expected_of(course, cast, request);
+  auto look = [expected](const Made& made) {
+    *expected = expected_of(made.course, made.cast, made.request);
   };
   auto planning =
       params.plan ? planned_before(call, params) : plan_for(call, params, false, std::move(look));

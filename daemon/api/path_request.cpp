@@ -83,7 +83,12 @@ Result<plan::PathRequest> request_of(const OfPath& params) {
   reading.quantity<&OfPath::acceleration>(request.acceleration);
   reading.quantity<&OfPath::feed>(request.feed);
   reading.quantity<&OfPath::corner_jump>(request.corner_jump);
+  reading.quantity<&OfPath::jerk>(request.jerk);
   if (reading.wrong()) return tl::unexpected(*reading.wrong());
+  if (request.jerk && request.mode == plan::StreamMode::position) {
+    return tl::unexpected(param_error<&OfPath::mode>(
+        "bad_argument", "position mode cannot limit a jerk", "use velocity mode, or segments"));
+  }
   if (params.period_ms) request.period = std::chrono::milliseconds(*params.period_ms);
   return request;
 }

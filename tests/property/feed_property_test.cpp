@@ -29,6 +29,7 @@ struct Feeding {
   double acceleration = 500;
   Duration round_trip{};
   bool turned = true;  // the knob; otherwise all is as planned
+  double jerk = std::numeric_limits<double>::infinity();
 };
 
 Feeding random_feeding(Random& random) {
@@ -39,6 +40,7 @@ Feeding random_feeding(Random& random) {
   if (made.model != 6212) made.velocity = 5, made.acceleration = 50;
   made.path = test::random_path(random, made.model == 142 ? 1 : 2);
   made.round_trip = microseconds(random.between(60, 1500));
+  if (random.one_in(3)) made.jerk = static_cast<double>(random.positive(50'000));
   return made;
 }
 
@@ -60,6 +62,7 @@ class Passing {
       : random_(random), feeding_(feeding), bench_(feeding.model) {
     bench_.limit(feeding.velocity, feeding.acceleration);
     bench_.round_trip = feeding.round_trip;
+    bench_.jerk = feeding.jerk;
     bench_.most_deviation = 3;
     bench_.every_ms = [this] { look(); };
   }
@@ -153,7 +156,8 @@ class Passing {
 
 std::string describe(const Feeding& feeding) {
   return std::string(name_of(feeding.mode)) + " on " + std::to_string(feeding.model) + ", " +
-         std::to_string(feeding.round_trip.count() / 1000) + " us:" + test::describe(feeding.path);
+         std::to_string(feeding.round_trip.count() / 1000) + " us:" + test::describe(feeding.path) +
+         (std::isfinite(feeding.jerk) ? ", jerk " + std::to_string(feeding.jerk) : "");
 }
 
 // As far off as paths get that go as planned: see stream_property_test.cpp.

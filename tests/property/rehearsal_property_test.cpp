@@ -29,6 +29,7 @@ struct Rehearsed {
   path_file::Path path{};
   Duration command{};
   std::optional<Shaping> shaping{};
+  double jerk = std::numeric_limits<double>::infinity();
 };
 
 Rehearsed random_rehearsed(tmcl::test::Random<>& random) {
@@ -43,6 +44,8 @@ Rehearsed random_rehearsed(tmcl::test::Random<>& random) {
     scene.shaping = {static_cast<Shaper>(random.between(0, 2)),
                      {static_cast<double>(random.between(6, 40)), 0.05}};
   }
+  if (scene.mode != StreamMode::position && random.one_in(3))
+    scene.jerk = static_cast<double>(random.positive(50'000));
   return scene;
 }
 
@@ -52,7 +55,8 @@ std::string describe(const Rehearsed& scene) {
          " us:" + test::describe(scene.path) +
          (scene.shaping ? ", shaped by " + std::string(name_of(scene.shaping->shaper)) + " for " +
                               std::to_string(scene.shaping->resonance.frequency_hz) + " Hz"
-                        : "");
+                        : "") +
+         (std::isfinite(scene.jerk) ? ", jerk " + std::to_string(scene.jerk) : "");
 }
 
 /// How far off the path a rehearsal and the simulated motors are; nothing if it is not passed.
@@ -62,6 +66,7 @@ std::optional<std::pair<double, double>> foreseen_and_seen(const Rehearsed& scen
   if (scene.model != 6212) bench.limit(5, 50);
   bench.round_trip = scene.command;
   bench.shaping = scene.shaping;
+  bench.jerk = scene.jerk;
   bench.most_deviation = 1000;
   double farthest = 0;
   bench.every_ms = [&] {

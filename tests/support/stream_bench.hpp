@@ -55,7 +55,8 @@ class StreamBench {
   double most_deviation = 1;
   std::size_t most_seen = 0;
   std::optional<Shaping> shaping;
-  std::map<std::uint8_t, StreamEncoder> encoders;  ///< Of axes; the module here has none.
+  double jerk = std::numeric_limits<double>::infinity();  ///< Along the path.
+  std::map<std::uint8_t, StreamEncoder> encoders;         ///< Of axes; the module here has none.
   std::vector<DriveCommand> commands;
 
   /// In mm and seconds.
@@ -144,6 +145,7 @@ class StreamBench {
 
  private:
   void plan(const path_file::Path& path) {
+    limits_.jerk = jerk;
     auto course = Course::of(path, limits_, std::numeric_limits<double>::infinity(), shaping);
     EXPECT_TRUE(course) << course.error();
     course_ = std::move(*course);

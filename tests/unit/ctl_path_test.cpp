@@ -97,6 +97,38 @@ TEST_F(CtlPath, CheckSaysWhatAShaperCostsAndGains) {
   EXPECT_EQ(err, "") << dwells;
 }
 
+TEST_F(CtlPath, CheckSaysWhatAJerkCostsAndGains) {
+  const auto part = file("G1 X10 F1200\nG1 Y10\n");
+  // Twice a swing for its accelerations: from rest to 20 mm/s, and to rest, by 400 mm/s^2.
+  std::vector<std::string> smooth{"path", "check", part, "--acceleration", "400", "--jerk", "4800"};
+  EXPECT_EQ(run(smooth), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("with a jerk of 4800 at most: 0."));
+  EXPECT_THAT(out, Not(HasSubstr("the load of")));
+  EXPECT_EQ(err, "");
+  smooth.insert(smooth.end(), {"--resonance", "12Hz"});
+  EXPECT_EQ(run(smooth), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("the load of Y swings by "));
+  const auto limit = json(smooth).at("jerk").as_object();
+  EXPECT_EQ(limit.at("jerk"), 4800);
+  EXPECT_EQ(limit.at("resonance_hz"), 12);
+  const auto& y = limit.at("axes").at(1);
+  EXPECT_LT(y.at("swing").to_number<double>(), 0.2 * y.at("unlimited_swing").to_number<double>());
+  // It is what is shaped.
+  smooth.insert(smooth.end(), {"--shape", "zv"});
+  EXPECT_EQ(run(smooth), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("with a jerk of 4800 at most: "));
+  EXPECT_THAT(out, HasSubstr("shaped by zv for 12 Hz: 0.0417 s longer"));
+}
+
+TEST_F(CtlPath, AJerkIsNotForLegsAndTables) {
+  const auto part = file("G1 X10 F1200\n");
+  EXPECT_EQ(run({"path", "check", part, "--jerk", "4800", "--legs"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("--legs and --jerk exclude each other"));
+  const auto table = file("x,time\n0,0\n5,1\n");
+  EXPECT_EQ(run({"path", "check", table, "--jerk", "4800"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("a table with times is passed as it says, with any jerk"));
+}
+
 TEST_F(CtlPath, AShaperNeedsAResonance) {
   const auto part = file("G1 X10 F1200\n");
   const auto objection = [&](std::vector<std::string> more) {
@@ -105,8 +137,8 @@ TEST_F(CtlPath, AShaperNeedsAResonance) {
     return err;
   };
   EXPECT_THAT(objection({"--shape", "zv"}), HasSubstr("--shape needs --resonance"));
-  EXPECT_THAT(objection({"--resonance", "12"}), HasSubstr("--resonance needs --shape"));
-  EXPECT_THAT(objection({"--damping", "0"}), HasSubstr("--damping needs --shape"));
+  EXPECT_THAT(objection({"--resonance", "12"}), HasSubstr("--resonance needs --shape or --jerk"));
+  EXPECT_THAT(objection({"--damping", "0"}), HasSubstr("--damping needs --resonance"));
   EXPECT_THAT(objection({"--shape", "zvx", "--resonance", "12"}), HasSubstr("none of zv, zvd"));
   EXPECT_THAT(objection({"--shape", "zv", "--resonance", "12", "--legs"}), HasSubstr("exclude"));
 }

@@ -146,6 +146,39 @@ TEST_F(DaemonPathPlan, AShaperThatCannotBeIsRefused) {
   EXPECT_FALSE(has_moved());
 }
 
+// Its corner is not cut.
+TEST_F(DaemonPathPlan, AJerkLetsLoadsSwingLess) {
+  const auto plain = plan(corner);
+  EXPECT_TRUE(plain.at("jerk").is_null());
+  const auto smooth = plan(corner, {{"jerk", "2000mm/s^3"}, {"resonance_hz", 10}});
+  const auto& limit = smooth.at("jerk").as_object();
+  EXPECT_NEAR(limit.at("jerk").to_number<double>(), 2000, 1e-6);
+  EXPECT_EQ(limit.at("resonance_hz"), 10);
+  EXPECT_NEAR(smooth.at("course").at("duration_s").to_number<double>(),
+              plain.at("course").at("duration_s").to_number<double>() +
+                  limit.at("longer_s").to_number<double>(),
+              1e-9);
+  EXPECT_TRUE(smooth.at("expected").at(0).at("keeps_tolerance").as_bool());
+  EXPECT_TRUE(plan(corner, {{"jerk", 2000}}).at("jerk").at("axes").as_array().empty());
+  const auto ended = bench.call("path.run", run(smooth));
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(mm("x"), 9);
+  EXPECT_LT(ended->at("off_path").to_number<double>(), 0.05);
+}
+
+TEST_F(DaemonPathPlan, AJerkThatCannotBeIsRefused) {
+  const auto refused = [&](json::object more) {
+    more["text"] = corner;
+    const auto error = bench.call("path.plan", std::move(more)).error();
+    return error.name + ": " + error.message;
+  };
+  EXPECT_EQ(refused({{"jerk", 0}}), "out_of_range: 'jerk' is outside 1e-9..1e9");
+  EXPECT_THAT(refused({{"jerk", "20mm/s"}}), HasSubstr("wrong_unit"));
+  EXPECT_EQ(refused({{"jerk", 2000}, {"mode", "position"}}),
+            "bad_argument: position mode cannot limit a jerk");
+  EXPECT_FALSE(has_moved());
+}
+
 TEST_F(DaemonPathPlan, WhatWasExpectedOfAPlanIsToldOnce) {
   const auto ended = bench.call("path.run", run(plan(corner, {})));
   ASSERT_TRUE(ended) << ended.error().message;

@@ -133,6 +133,38 @@ TEST(Path, RampsJoinAtTheirSpeeds) {
   EXPECT_EQ(path.ramp(1, 1).amax, path.ramp(1, 1).dmax);
 }
 
+PathLimits smooth_limits(double velocity, double acceleration, double jerk) {
+  auto made = limits(1, {velocity, acceleration}, 0);
+  made.jerk = jerk;
+  return made;
+}
+
+// All of the acceleration and of the speed; then less of both than there is.
+TEST(Path, WithAJerkOneLegIsAnSCurve) {
+  const auto full = plan({{{12}}}, smooth_limits(8, 16, 64));
+  EXPECT_NEAR(full.duration(), 12 / 8. + 8 / 16. + 16 / 64., 1e-6);
+  EXPECT_NEAR(full.legs()[0].peak_speed, 8, 1e-9);
+  EXPECT_NEAR(full.legs()[0].acceleration, 16, 1e-6);
+  const auto middle = full.motion_at(full.duration() / 2);
+  EXPECT_NEAR(middle.position[0], 6, 1e-9);
+  EXPECT_NEAR(middle.acceleration[0], 0, 1e-9);
+  EXPECT_NEAR(full.motion_at(0.125).jerk[0], 64, 1e-6);
+  const auto part = plan({{{12}}}, smooth_limits(100, 1000, 64));
+  EXPECT_NEAR(part.duration(), 4 * std::cbrt(12 / (2 * 64.)), 1e-3 * part.duration());
+}
+
+TEST(Path, WithAnyJerkItHasTheSameLegs) {
+  for (const double jerk : {1e-9, 1.0, 1e9, 1e300}) {
+    const auto path = plan({{{3}}, {{3}}, {{5}}, {{5}}, {{-2}}}, smooth_limits(8, 16, jerk));
+    EXPECT_EQ(path.legs()[1].duration(), 0);
+    EXPECT_NEAR(path.at(path.legs()[0].end()).position[0], 3, 1e-9) << jerk;
+    EXPECT_NEAR(path.at(path.legs()[2].end()).position[0], 5, 1e-9) << jerk;
+    EXPECT_EQ(path.legs()[2].end_speed, 0);
+    EXPECT_EQ(path.at(path.duration()).position[0], -2);
+    EXPECT_GT(path.duration(), plan({{{5}}, {{-2}}}, limits(1, {8, 16}, 0)).duration());
+  }
+}
+
 TEST(Path, NamesWhatIsWrong) {
   using Kind = PathFault::Kind;
   const auto good = limits(2, {1, 1}, 0);
@@ -157,6 +189,14 @@ TEST(Path, NamesWhatIsWrong) {
   EXPECT_EQ(fault({{{1, 1}}, {{1, 2}, 0}}, good), (PathFault{Kind::feed, 1}));
   EXPECT_EQ(fault({{{1, 1}}, {{1, 2}, nan}}, good), (PathFault{Kind::feed, 1}));
   EXPECT_EQ(fault({{{1e308}}, {{-1e308}}}, good), PathFault{Kind::magnitude});
+  for (const double wrong : {0.0, -1.0, nan}) {
+    auto bad = good;
+    bad.jerk = wrong;
+    EXPECT_EQ(fault({}, bad), PathFault{Kind::jerk});
+  }
+  auto smooth = good;
+  smooth.jerk = 1;
+  EXPECT_EQ(fault({{{1e308}}, {{-1e308}}}, smooth), PathFault{Kind::magnitude});
   EXPECT_EQ(fault(std::vector<Leg>(most_legs + 1), good), PathFault{Kind::legs});
   EXPECT_EQ(plan_path({0, infinity}, {}, good).error(), (PathFault{Kind::start, 0, 1}));
 }

@@ -20,12 +20,23 @@ path_file::Path there_and_back(double length) {
   return path;
 }
 
+constexpr double no_jerk_limit = std::numeric_limits<double>::infinity();
+/// The acceleration takes as long as a swing then, which undoes what it does to the load.
+constexpr double jerk_of_a_swing = 400 * 12;
+
+/// What is done for the load.
+struct Care {
+  std::optional<Shaping> shaping{};
+  double jerk = no_jerk_limit;
+};
+
 /// How far the load of X swings after the path, in mm, by where its motor is each millisecond.
-double swing_after(double length, const std::optional<Shaping>& shaping, StreamMode mode) {
+double swing_after(double length, const Care& care, StreamMode mode) {
   constexpr double look_s = 1e-3;
   test::StreamBench bench;
   bench.limit(20, 400);
-  bench.shaping = shaping;
+  bench.shaping = care.shaping;
+  bench.jerk = care.jerk;
   ramp::ResonantLoad load(load_of_x);
   double position = 0, speed = 0;
   bench.every_ms = [&] {
@@ -42,25 +53,44 @@ double swing_after(double length, const std::optional<Shaping>& shaping, StreamM
 }
 
 /// The mean of ways of many lengths.
-double mean_swing(const std::optional<Shaping>& shaping, StreamMode mode) {
+double mean_swing(const Care& care, StreamMode mode) {
   double sum = 0;
   constexpr int ways = 16;
-  for (int way = 0; way < ways; ++way) sum += swing_after(8 + 0.25 * way, shaping, mode);
+  for (int way = 0; way < ways; ++way) sum += swing_after(8 + 0.25 * way, care, mode);
   return sum / ways;
 }
 
 // zv is hurt most by what an axis is off its course: by velocities, a third of the swing is left.
 TEST(StreamShaping, LetsTheLoadHardlySwingAfterThePath) {
   for (const auto mode : {StreamMode::velocity, StreamMode::segments}) {
-    const double unshaped = mean_swing(std::nullopt, mode);
+    const double unshaped = mean_swing({}, mode);
     EXPECT_GT(unshaped, 0.1) << name_of(mode);
     const double zv_part = mode == StreamMode::velocity ? 0.33 : 0.2;
     for (const auto& [shaper, part] : {std::pair(Shaper::zv, zv_part), std::pair(Shaper::zvd, 0.2),
                                        std::pair(Shaper::ei, 0.2)}) {
-      EXPECT_LT(mean_swing(Shaping{shaper, load_of_x}, mode), part * unshaped)
+      EXPECT_LT(mean_swing({Shaping{shaper, load_of_x}}, mode), part * unshaped)
           << name_of(shaper) << " by " << name_of(mode);
     }
   }
+}
+
+TEST(StreamShaping, LetsTheLoadSwingLessWithAJerk) {
+  for (const auto mode : {StreamMode::velocity, StreamMode::segments}) {
+    const double unlimited = mean_swing({}, mode);
+    EXPECT_LT(mean_swing({{}, jerk_of_a_swing}, mode), 0.5 * unlimited) << name_of(mode);
+    EXPECT_LT(mean_swing({Shaping{Shaper::zvd, load_of_x}, jerk_of_a_swing}, mode), 0.2 * unlimited)
+        << name_of(mode);
+  }
+}
+
+TEST(StreamShaping, JerksAreNotForPositionMode) {
+  test::StreamBench bench;
+  bench.jerk = 1000;
+  const auto report = bench.pass(there_and_back(10), StreamMode::position);
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, DriveFault::Kind::unsuited);
+  EXPECT_EQ(report.fault->message,
+            "position mode cannot limit a jerk; use velocity mode, or segments");
 }
 
 TEST(StreamShaping, IsNotForPositionMode) {

@@ -831,10 +831,12 @@ export interface Methods {
       name?: string;
       /** zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing after it; takes up to a swing longer, and cuts corners; not in position mode */
       shaper?: string;
-      /** for shaper: as axis.resonance measures it */
+      /** for shaper, and for what is told of jerk: as axis.resonance measures it */
       resonance_hz?: number;
       /** of those swings, 0 to less than 1; 0.05 if absent */
       damping?: number;
+      /** by how much the acceleration along the path changes in a second, at most; a number: in the file's unit a second cubed; no limit if absent; not in position mode, not for a table with times */
+      jerk?: number | string;
       /** how many of the curve are given; none if absent */
       points?: number;
     };
@@ -939,6 +941,24 @@ export interface Methods {
           unshaped_swing: number;
         }[];
       } | null;
+      /** what the jerk makes of it; null without one */
+      jerk: {
+        /** along the path, at most */
+        jerk: number;
+        /** than the path takes without it */
+        longer_s: number;
+        /** of the loads that are told of; null: none */
+        resonance_hz: number | null;
+        /** what it leaves of their swings */
+        axes: {
+          /** of the file */
+          axis: string;
+          /** of its load after the path, to either side */
+          swing: number;
+          /** the same without the jerk */
+          unlimited_swing: number;
+        }[];
+      } | null;
     };
   };
   /** moves axes along a path and answers at its end; tells its progress by notify_progress */
@@ -978,10 +998,12 @@ export interface Methods {
       name?: string;
       /** zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing after it; takes up to a swing longer, and cuts corners; not in position mode */
       shaper?: string;
-      /** for shaper: as axis.resonance measures it */
+      /** for shaper, and for what is told of jerk: as axis.resonance measures it */
       resonance_hz?: number;
       /** of those swings, 0 to less than 1; 0.05 if absent */
       damping?: number;
+      /** by how much the acceleration along the path changes in a second, at most; a number: in the file's unit a second cubed; no limit if absent; not in position mode, not for a table with times */
+      jerk?: number | string;
       /** what path.plan has planned, instead of all but to_start and points */
       plan?: number;
       /** whether the axes go to the start first; they must stand there if absent */

@@ -805,6 +805,29 @@ class PathPlanShaping(Record):
 
 
 @dataclass(frozen=True)
+class PathPlanJerkAxes(Record):
+    #: of the file
+    axis: str = ""
+    #: of its load after the path, to either side
+    swing: float = 0.0
+    #: the same without the jerk
+    unlimited_swing: float = 0.0
+
+
+@dataclass(frozen=True)
+class PathPlanJerk(Record):
+    #: along the path, at most
+    jerk: float = 0.0
+    #: than the path takes without it
+    longer_s: float = 0.0
+    #: of the loads that are told of; null: none
+    resonance_hz: float | None = None
+    #: what it leaves of their swings
+    axes: tuple[PathPlanJerkAxes, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": PathPlanJerkAxes}
+
+
+@dataclass(frozen=True)
 class PathPlan(Record):
     #: by which path.run runs it, once; the daemon keeps the last one
     plan: int = 0
@@ -821,7 +844,9 @@ class PathPlan(Record):
     warnings: tuple[str, ...] = ()
     #: what the shaper makes of it; null without one
     shaping: PathPlanShaping | None = None
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve, "expected": PathPlanExpected, "shaping": PathPlanShaping}
+    #: what the jerk makes of it; null without one
+    jerk: PathPlanJerk | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve, "expected": PathPlanExpected, "shaping": PathPlanShaping, "jerk": PathPlanJerk}
 
 
 @dataclass(frozen=True)
@@ -2218,10 +2243,11 @@ class Methods:
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
+        jerk: float | str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "points": points}))
+        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "jerk": jerk, "points": points}))
 
     def path_run(
         self,
@@ -2245,13 +2271,14 @@ class Methods:
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
+        jerk: float | str | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
         points: int | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start, "points": points}))
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "jerk": jerk, "plan": plan, "to_start": to_start, "points": points}))
 
     def path_pause(
         self,
@@ -3303,10 +3330,11 @@ class AsyncMethods:
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
+        jerk: float | str | None = None,
         points: int | None = None,
     ) -> PathPlan:
         """`path.plan` plans a path, and says what will be run."""
-        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "points": points}))
+        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "jerk": jerk, "points": points}))
 
     async def path_run(
         self,
@@ -3330,13 +3358,14 @@ class AsyncMethods:
         shaper: str | None = None,
         resonance_hz: float | None = None,
         damping: float | None = None,
+        jerk: float | str | None = None,
         plan: int | None = None,
         to_start: bool | None = None,
         points: int | None = None,
     ) -> PathRun:
         """`path.run` moves axes along a path and answers at its end; tells its progress by
         notify_progress."""
-        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "plan": plan, "to_start": to_start, "points": points}))
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "lenient": lenient, "name": name, "shaper": shaper, "resonance_hz": resonance_hz, "damping": damping, "jerk": jerk, "plan": plan, "to_start": to_start, "points": points}))
 
     async def path_pause(
         self,

@@ -237,7 +237,7 @@ struct RunMint {
   std::vector<std::string> axes;  ///< NUMBER=AXIS
   bool counts_encoder = false;
 };
-/// Input shaping; without a shaper none.
+/// Input shaping, without a shaper none; and loads that swing.
 struct ShapedPath {
   std::optional<tmcl::plan::Shaper> shaper;
   std::optional<double> resonance_hz;
@@ -249,7 +249,7 @@ struct CheckPath {
   double tolerance = 0.05;
   double velocity = 100;
   double acceleration = 1000;
-  std::optional<double> feed, corner_jump;
+  std::optional<double> feed, corner_jump, jerk;
   std::string svg;   ///< Empty: none.
   plot::Shown show;  ///< Empty: the path is not drawn on the screen.
   bool legs = false;
@@ -268,7 +268,7 @@ struct RunPath {
   std::vector<std::string> axes;  ///< LETTER=AXIS
   tmcl::plan::StreamMode mode = tmcl::plan::StreamMode::velocity;
   double tolerance = 0.05;
-  std::string velocity, acceleration, feed, corner_jump;  ///< As typed; empty: none.
+  std::string velocity, acceleration, feed, corner_jump, jerk;  ///< As typed; empty: none.
   std::optional<double> per_turn, deviation;
   std::chrono::milliseconds period{5};
   bool dry_run = false;

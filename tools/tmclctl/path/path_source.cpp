@@ -207,6 +207,16 @@ void print(const tmcl::api::path::Shaping& shaping, Output& output) {
   }
 }
 
+void print(const tmcl::api::path::JerkLimit& limit, Output& output) {
+  const auto text = [](double value) { return tmcl::plain_number(value, 3); };
+  output.out << fmt::format("with a jerk of {} at most: {} s longer\n",
+                            tmcl::plain_number(limit.jerk, 6), text(limit.longer_s));
+  for (const auto& axis : limit.axes) {
+    output.out << fmt::format("  the load of {} swings by {} after it, without the jerk by {}\n",
+                              axis.axis, text(axis.swing), text(axis.unlimited_swing));
+  }
+}
+
 std::string to_svg(const std::string& file, const Course& course, const Curve& curve,
                    const Drawn& drawn) {
   const auto& axes = course.axes;

@@ -51,6 +51,8 @@ inline std::string tolerance_verdict(std::optional<double> exceeded_by) {
 void print(const std::string& file, const tmcl::api::path::Course& course, Output& output);
 /// What its shaper makes of it.
 void print(const tmcl::api::path::Shaping& shaping, Output& output);
+/// And what its jerk does.
+void print(const tmcl::api::path::JerkLimit& limit, Output& output);
 /// What is drawn of the axes over time.
 struct Drawn {
   plot::Shown shown{};               ///< Empty: their positions, and only in a file.

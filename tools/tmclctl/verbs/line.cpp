@@ -121,6 +121,8 @@ way is of the longest. Their own settings are the limits, and are set back at th
 --acceleration are limits of each axis, too. If one cannot take part, none moves; if one is stopped or
 does not go as planned, all are stopped. Several motors of one module start with one command. With
 --direct it stays until all axes stand and have their settings back; Ctrl-C stops them.
+Ramp generators can be neither shaped for loads that swing nor given a jerk: a line with those is a path of one
+leg, such as 'G1 X10 Y2.5 F1200' in a file for 'tmclctl path run --shape' or '--jerk'.
 
   tmclctl line x=51200microsteps y=-1.5rev --wait
   tmclctl line x=10mm y=2.5mm z=0

@@ -56,10 +56,16 @@ tmcl::api::path::Course view_of(const plan::Course& planned, const plan::PathSou
   return course;
 }
 
+/// Of the loads behind the axes.
+std::optional<tmcl::ramp::Resonance> resonance_of(const verb::ShapedPath& said) {
+  if (!said.resonance_hz) return std::nullopt;
+  return tmcl::ramp::Resonance{*said.resonance_hz,
+                               said.damping.value_or(tmcl::ramp::usual_load_damping)};
+}
+
 std::optional<plan::Shaping> shaping_of(const verb::ShapedPath& said) {
   if (!said.shaper) return std::nullopt;
-  return plan::Shaping{*said.shaper,
-                       {*said.resonance_hz, said.damping.value_or(tmcl::ramp::usual_load_damping)}};
+  return plan::Shaping{*said.shaper, *resonance_of(said)};
 }
 
 std::string corners_warning(const verb::CheckPath& verb) {
@@ -122,19 +128,27 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   plan::PathLimits limits;
   limits.axis.fill({verb.velocity, verb.acceleration, verb.corner_jump.value_or(unlimited)});
+  limits.jerk = verb.jerk.value_or(unlimited);
   const double feed = verb.feed.value_or(unlimited);
   const auto shaping = shaping_of(verb.shaping);
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance, shaping);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   const auto course = view_of(*planned, *source, *machine);
   const auto shaped = tmcld::view_of(*planned, shaping, source->path.axes);
+  std::optional<tmcl::api::path::JerkLimit> smooth;
+  if (verb.jerk) {
+    limits.jerk = unlimited;
+    const auto plain = plan::course_of(*source, limits, feed, verb.tolerance, shaping);
+    if (!plain) return tl::unexpected(failure_of(verb, plain.error(), output));
+    smooth = tmcld::view_of_jerk(*planned, *plain, resonance_of(verb.shaping), source->path.axes);
+  }
   if (shaped && shaped->off_path > verb.tolerance) warnings.push_back(corners_warning(verb));
   warn(warnings, output);
   tmcl::api::path::Curve curve;
   if (!verb.svg.empty() || !verb.show.empty())
     curve = tmcld::curve_of(*planned, tmcl::api::path::most_curve_points);
   path::Drawn drawing{verb.show, {}};
-  if (!shaping) drawing.phases = path::phases_of(*planned);
+  if (!shaping && !verb.jerk) drawing.phases = path::phases_of(*planned);
   if (!verb.svg.empty()) {
     drawing.tolerance = verb.tolerance;
     drawing.nearest =
@@ -166,11 +180,13 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
     auto document = tmcl::api::to_json(course);
     if (verb.legs) document["leg_table"] = std::move(legs);
     if (shaped) document["shaping"] = tmcl::api::to_json(*shaped);
+    if (smooth) document["jerk"] = tmcl::api::to_json(*smooth);
     document["file"] = verb.file;
     document["warnings"] = boost::json::array(warnings.begin(), warnings.end());
     print_json(document, output);
   } else if (verb.csv != "-") {
     path::print(verb.file, course, output);
+    if (smooth) path::print(*smooth, output);
     if (shaped) path::print(*shaped, output);
     if (verb.legs) path::print_legs(legs, output);
     if (!verb.show.empty() && verb.svg.empty())
@@ -220,6 +236,10 @@ table with times. Where a velocity jumps, in a corner, there is no acceleration 
 --shape passes the path as the mean of itself at two or three times, so that loads which swing at
 --resonance hardly swing after it. That takes half a swing (zv) or a swing longer, and cuts corners; how
 much is said. zv and zvd leave nothing at the resonance, zvd little near it; ei 5 % in a wider range.
+--jerk lets the acceleration along the path change gradually, by no more than that in a second. The axes
+stay on the path, within all limits at each place; it takes longer, and how much is said. With --resonance
+it is also said what that gains for loads that swing. In a corner a velocity still changes at once:
+--corner-jump limits that. Both together: the path with the jerk is what is shaped.
 
   tmclctl path check part.ngc --velocity 20 --acceleration 500
   tmclctl path check part.csv --svg part.svg
@@ -230,6 +250,7 @@ much is said. zv and zvd leave nothing at the resonance, zvd little near it; ei 
   tmclctl path check part.ngc --csv part.csv --step 0.01
   tmclctl path check part.ngc --machine /etc/tmcld/tmcld.toml
   tmclctl path check part.ngc --shape zvd --resonance 12Hz --damping 0.05
+  tmclctl path check part.ngc --acceleration 400 --jerk 4800 --resonance 12Hz
   tmclctl --json path check part.ngc
 )";
 
@@ -254,6 +275,9 @@ Form add_path(Grammar& grammar) {
   check.option("--corner-jump", "UNITS",
                "By how much an axis may change its speed at once in a corner, a second",
                number(check->corner_jump, least_of_path, most_of_path));
+  check.option("--jerk", "UNITS",
+               "By how much the acceleration along the path may change, a second cubed",
+               number(check->jerk, least_of_path, most_of_path));
   add_shaping(check);
   plot::add_show(check, check->show);
   auto& said = *check.operator->();
@@ -268,12 +292,13 @@ Form add_path(Grammar& grammar) {
                number(check->csv_step, least_of_path, most_of_path));
   check.object([](const verb::CheckPath& verb, bool json) {
     if (verb.legs && verb.shaping.shaper) return "--legs and --shape exclude each other";
+    if (verb.legs && verb.jerk) return "--legs and --jerk exclude each other";
     if (verb.as && (!verb.legs || !verb.microsteps_per_unit))
       return "--as needs --legs and --microsteps-per-unit";
     if (verb.as && json) return "--as and --json exclude each other";
     if (verb.csv == "-" && json) return "--json and '--csv -' both want standard output";
     if (verb.csv == "-" && verb.as) return "--as and '--csv -' both want standard output";
-    return objection_to(verb.shaping);
+    return objection_to(verb.shaping, verb.jerk.has_value());
   });
   check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
              check->legs);

@@ -52,6 +52,7 @@ api::path::Plan params_of(const verb::RunPath& verb, const std::string& text) {
   params.acceleration = amount_of(verb.acceleration);
   params.feed = amount_of(verb.feed);
   params.corner_jump = amount_of(verb.corner_jump);
+  params.jerk = amount_of(verb.jerk);
   params.per_turn = verb.per_turn;
   params.deviation = verb.deviation;
   if (verb.shaping.shaper) params.shaper = name_of(*verb.shaping.shaper);
@@ -249,10 +250,12 @@ Result<ExitCode> run(const verb::RunPath& verb, Context& context) {
     const auto whole = api::to_json(*plan);
     document["expected"] = whole.at("expected");
     document["shaping"] = whole.at("shaping");
+    document["jerk"] = whole.at("jerk");
     document["warnings"] = boost::json::array(plan->warnings.begin(), plan->warnings.end());
     print_json(document, context.output);
   } else {
     path::print(verb.file, plan->course, context.output);
+    if (plan->jerk) path::print(*plan->jerk, context.output);
     if (plan->shaping) path::print(*plan->shaping, context.output);
     print(plan->expected, context.output);
   }
@@ -278,8 +281,8 @@ and --feed are in the units of the file, or have a unit with them: 20mm/s, 500mm
 --svg draws the path, where the axes were seen on it, and a ring where they were farthest off; and as a
 line how far off they were, ten times as far. Where the configuration names encoders, these tell where the
 motors were: they are read where an update leaves time, are printed as well, and are what is drawn.
---shape lets loads that swing hardly swing after the path ('tmclctl path check --help' says how); --dry-run
-says what that costs. Not in position mode.
+--shape lets loads that swing hardly swing after the path, --jerk lets the acceleration along it change
+gradually ('tmclctl path check --help' says how); --dry-run says what that costs. Not in position mode.
 Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on. At M0 of G-code a
 path waits until 'tmclctl path resume' lets it go on, or Ctrl-Z twice.
@@ -334,8 +337,14 @@ void add_path_run(Grammar& grammar, const Form& group) {
           said.period = std::chrono::milliseconds(value);
         });
       });
+  form.option("--jerk", "UNITS|JERK",
+              "By how much the acceleration along the path may change in a second, such as "
+              "5000mm/s^3",
+              text(form->jerk));
   add_shaping(form);
-  form.object([](const verb::RunPath& verb, bool) { return objection_to(verb.shaping); });
+  form.object([](const verb::RunPath& verb, bool) {
+    return objection_to(verb.shaping, !verb.jerk.empty());
+  });
   form.flag("--dry-run", "Plan and check everything, say what each mode will keep; move nothing",
             form->dry_run);
 }

@@ -28,16 +28,16 @@ void add_shaping(VerbForm<T>& form) {
                 if (said.shaper) return {};
                 return tl::unexpected("'" + text + "' is none of zv, zvd and ei");
               });
-  form.option("--resonance", "HZ", "With --shape: how fast they swing",
+  form.option("--resonance", "HZ", "How fast they swing: for --shape, and what is said of --jerk",
               resonance(said.resonance_hz));
   form.option("--damping", "D", "Of those swings: 0 to less than 1 (default 0.05)",
               number(said.damping, 0, tmcl::ramp::greatest_load_damping));
 }
 /// Empty if its words go together.
-inline const char* objection_to(const verb::ShapedPath& said) {
+inline const char* objection_to(const verb::ShapedPath& said, bool has_jerk) {
   if (said.shaper && !said.resonance_hz) return "--shape needs --resonance";
-  if (said.resonance_hz && !said.shaper) return "--resonance needs --shape";
-  return said.damping && !said.shaper ? "--damping needs --shape" : "";
+  if (said.resonance_hz && !said.shaper && !has_jerk) return "--resonance needs --shape or --jerk";
+  return said.damping && !said.resonance_hz ? "--damping needs --resonance" : "";
 }
 
 }  // namespace tmclctl

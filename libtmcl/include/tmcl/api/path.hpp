@@ -187,8 +187,14 @@ struct OfPath {
       std::optional<std::string>, shaper,
       "zv, zvd or ei: passes the path so that loads which swing at resonance_hz hardly swing "
       "after it; takes up to a swing longer, and cuts corners; not in position mode");
-  TMCL_FIELD(std::optional<double>, resonance_hz, "for shaper: as axis.resonance measures it");
+  TMCL_FIELD(std::optional<double>, resonance_hz,
+             "for shaper, and for what is told of jerk: as axis.resonance measures it");
   TMCL_FIELD(std::optional<double>, damping, "of those swings, 0 to less than 1; 0.05 if absent");
+  TMCL_FIELD(
+      std::optional<Amount>, jerk,
+      "by how much the acceleration along the path changes in a second, at most; a number: in "
+      "the file's unit a second cubed; no limit if absent; not in position mode, not for a "
+      "table with times");
 };
 struct CourseAxis {
   TMCL_STRUCT(CourseAxis);
@@ -240,6 +246,20 @@ struct Shaping {
   TMCL_FIELD(double, off_path_at_s, "when that is, in seconds of the course");
   TMCL_FIELD(std::vector<ShapedAxis>, axes, "what it leaves of their swings");
 };
+struct JerkAxis {
+  TMCL_STRUCT(JerkAxis);
+  TMCL_FIELD(std::string, axis, "of the file");
+  TMCL_FIELD(double, swing, "of its load after the path, to either side");
+  TMCL_FIELD(double, unlimited_swing, "the same without the jerk");
+};
+/// In the units of the file.
+struct JerkLimit {
+  TMCL_STRUCT(JerkLimit);
+  TMCL_FIELD(double, jerk, "along the path, at most");
+  TMCL_FIELD(double, longer_s, "than the path takes without it");
+  TMCL_FIELD(std::optional<double>, resonance_hz, "of the loads that are told of; null: none");
+  TMCL_FIELD(std::vector<JerkAxis>, axes, "what it leaves of their swings");
+};
 struct Planned {
   TMCL_STRUCT(Planned);
   TMCL_FIELD(std::int32_t, plan, "by which path.run runs it, once; the daemon keeps the last one");
@@ -252,6 +272,7 @@ struct Planned {
   TMCL_FIELD(std::vector<std::string>, warnings,
              "warnings about the settings of its axes, and what of the file is not carried out");
   TMCL_FIELD(std::optional<Shaping>, shaping, "what the shaper makes of it; null without one");
+  TMCL_FIELD(std::optional<JerkLimit>, jerk, "what the jerk makes of it; null without one");
 };
 /// So many points at most: an answer has to be sent.
 constexpr int most_curve_points = 2000;

@@ -86,6 +86,8 @@ struct PathRequest {
   Duration period = shortest_stream_period;
   std::shared_ptr<const path_file::GcodeSetup> setup{};  ///< Null: nothing is said of the machine.
   std::optional<Shaping> shaping{};
+  std::optional<tmcl::Quantity> jerk{};        ///< Along the path.
+  std::optional<ramp::Resonance> resonance{};  ///< What is told of it counts for such loads.
 };
 StreamOptions options_of(const PathRequest& request);
 
@@ -128,6 +130,7 @@ struct PathAxis {
   double feed = 0;
   double stands_at = 0;  ///< In the file's units, corrected.
   Duration command{};    ///< How long a command to it takes.
+  double jerk = 0;       ///< What the request allows along the path; may be infinite.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
 /// cannot; a quantity that it cannot be measured in, by the name of the Errc.

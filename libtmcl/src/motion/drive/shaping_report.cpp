@@ -37,12 +37,16 @@ AxisValues swings_after(const Course& course, const ramp::Resonance& resonance,
   return swings;
 }
 
+AxisValues swings_after(const Course& course, const ramp::Resonance& resonance) {
+  return swings_after(course, resonance, [&](double time) { return course.at(time); });
+}
+
 }  // namespace
 
 ShapingReport report_on_shaping(const Course& course, const ramp::Resonance& resonance) {
   ShapingReport report;
   report.longer_s = longest_delay(course.impulses());
-  report.swing = swings_after(course, resonance, [&](double time) { return course.at(time); });
+  report.swing = swings_after(course, resonance);
   report.unshaped =
       swings_after(course, resonance, [&](double time) { return course.unshaped_at(time); });
   const double look = std::max(least_look_s, course.duration() / most_places);
@@ -52,6 +56,16 @@ ShapingReport report_on_shaping(const Course& course, const ramp::Resonance& res
     report.farthest = off;
     report.at_s = time;
   }
+  return report;
+}
+
+JerkReport report_on_jerk(const Course& course, const Course& unlimited,
+                          const std::optional<ramp::Resonance>& resonance) {
+  JerkReport report;
+  report.longer_s = course.duration() - unlimited.duration();
+  if (!resonance) return report;
+  report.swing = swings_after(course, *resonance);
+  report.unlimited = swings_after(unlimited, *resonance);
   return report;
 }
 

@@ -271,7 +271,8 @@ void PathPlan::pass_smoothly(std::vector<SpeedPhase> phases) {
     for (; std::next(phase) != phases_.end() && (is_last || std::next(phase)->way <= end); ++phase)
       note(*std::next(phase));
     double early = std::max(here.begin - phase->begin, 0.0);
-    double late = is_last ? early : std::next(phase)->begin - phase->begin;
+    const bool is_there = is_last || phase->after(early).way >= end;
+    double late = is_there ? early : std::next(phase)->begin - phase->begin;
     for (int halving = 0; halving < halvings && early < late; ++halving) {
       const double middle = std::midpoint(early, late);
       (phase->after(middle).way < end ? early : late) = middle;

@@ -9,6 +9,8 @@
 namespace tmcl::plan {
 namespace {
 
+// An acceleration takes so long at least, in seconds: less is lost in the rounding of times.
+constexpr double shortest_mean = 1e-4;
 // Phases that are shorter than this part of the mean's time are rounding.
 constexpr double no_time = 1e-9;
 // How often a better acceleration is sought: by halves first, then in between.
@@ -99,22 +101,19 @@ class Slopes {
     while (to < from) {
       const double top = take_even_way();
       const bool is_top = !slopes_.empty() && slopes_.back().rises();
-      const double needed = is_top ? from - level_for(top, from) : 0;
-      if (needed <= 0) {
+      const double level = is_top ? level_for(top, from) : from;
+      if (level >= from) {
         keep(top, from);
         slopes_.push_back({way_between(to, from), from, to});
         return;
       }
       auto& rise = slopes_.back();
-      const double lower = std::min({needed, from - rise.from, from - to});
-      from = lower == from - to ? to : lower == from - rise.from ? rise.from : from - lower;
-      rise.to = from;
-      rise.way = way_between(rise.from, from);
+      const double cut = std::max({level, rise.from, to});
+      const double wider = top + 2 * way_between(cut, from);
+      rise.to = from = cut;
+      rise.way = way_between(rise.from, cut);
       if (!rise.rises()) slopes_.pop_back();
-      keep(top + lower / acceleration_, from);
-      if (lower < needed) continue;
-      if (to < from) slopes_.push_back({way_between(to, from), from, to});
-      return;
+      keep(wider, cut);
     }
   }
   const std::vector<Slope>& all() const { return slopes_; }
@@ -131,8 +130,8 @@ class Slopes {
   double level_for(double way, double square_of_speed) const {
     if (way >= std::sqrt(square_of_speed) * mean_time_) return square_of_speed;
     const double gained = acceleration_ * mean_time_;
-    return square(
-        (std::sqrt(square(gained) + 4 * (square_of_speed + acceleration_ * way)) - gained) / 2);
+    const double whole = square_of_speed + acceleration_ * way;
+    return square(2 * whole / (gained + std::sqrt(square(gained) + 4 * whole)));
   }
 
   double acceleration_;
@@ -249,12 +248,15 @@ class Search {
   }
 
   std::vector<RampPoint> ramps(double acceleration) const {
-    const double mean_time = acceleration / jerk_;
+    const double mean_time = mean_time_for(acceleration);
     const auto parts = without_overlaps(zones_of(limits_, mean_time), length_);
     return points_of(ramps_of(parts, acceleration, mean_time).all(), acceleration);
   }
   double duration(double acceleration) const {
-    return ramps(acceleration).back().time + acceleration / jerk_;
+    return ramps(acceleration).back().time + mean_time_for(acceleration);
+  }
+  double mean_time_for(double acceleration) const {
+    return std::max(acceleration / jerk_, shortest_mean);
   }
   double best(double most) const {
     double here = most, time = duration(here);
@@ -296,7 +298,7 @@ std::vector<SpeedPhase> smooth_speed(std::span<const SpeedLimit> limits, double 
                                      double jerk) {
   const Search search(limits, jerk);
   const double best = search.best(acceleration);
-  return mean_of(search.ramps(best), best / jerk);
+  return mean_of(search.ramps(best), search.mean_time_for(best));
 }
 
 }  // namespace tmcl::plan

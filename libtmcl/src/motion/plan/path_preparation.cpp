@@ -213,7 +213,7 @@ std::optional<PathObjection> heed(const PathSource& source, const PathRequest& r
                                   const PathAxisFacts& facts, PathAxis& axis) {
   const AxisUnits units{facts.choice.axis, facts.model, facts.units, facts.scale};
   const double scale = axis.stream.microsteps_per_unit;
-  axis.feed = std::numeric_limits<double>::infinity();
+  axis.feed = axis.jerk = std::numeric_limits<double>::infinity();
   auto objection = lower(axis.velocity, "velocity", request.velocity, units, scale, to_pps);
   if (!objection) {
     objection =
@@ -224,6 +224,7 @@ std::optional<PathObjection> heed(const PathSource& source, const PathRequest& r
   if (!objection) {
     objection = lower(axis.corner_jump, "corner_jump", request.corner_jump, units, scale, to_pps);
   }
+  if (!objection) objection = lower(axis.jerk, "jerk", request.jerk, units, scale, to_pps3);
   return objection;
 }
 
@@ -279,7 +280,7 @@ bool moves_alike(const PathAxis& one, const PathAxis& other) {
   return one.stream.microsteps_per_unit == other.stream.microsteps_per_unit &&
          one.stream.units == other.stream.units && one.velocity == other.velocity &&
          one.acceleration == other.acceleration && one.corner_jump == other.corner_jump &&
-         one.scale.correction == other.scale.correction;
+         one.jerk == other.jerk && one.scale.correction == other.scale.correction;
 }
 
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {
@@ -311,8 +312,10 @@ PathResult<PathSource> by_steps(PathSource source, const std::vector<PathAxis>& 
 
 PathLimits limits_of(const std::vector<PathAxis>& axes) {
   PathLimits limits;
-  for (std::size_t i = 0; i < axes.size(); ++i)
+  for (std::size_t i = 0; i < axes.size(); ++i) {
     limits.axis[i] = {axes[i].velocity, axes[i].acceleration, axes[i].corner_jump};
+    limits.jerk = std::min(limits.jerk, axes[i].jerk);
+  }
   return limits;
 }
 
