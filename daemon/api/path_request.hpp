@@ -9,8 +9,8 @@
 
 namespace tmcld {
 
-/// Errors: a mode that there is not, or that takes no jerk; a number out of range; a text that is no
-/// quantity.
+/// Errors: a mode that there is not, or that takes no jerk; a number out of range; a text that is
+/// no quantity.
 Result<tmcl::plan::PathRequest> request_of(const api::path::OfPath& params);
 
 /// Nothing without a shaper. Errors: one that there is not; no resonance; position mode.

@@ -107,8 +107,8 @@ void expect_within_limits(const SmoothScene& scene, const Course& course, double
   EXPECT_LE(speed, feed_at(scene.path, course.line_at(time).value_or(0)) * (1 + slack));
 }
 
-/// By differences of what it says, whatever it says of its acceleration. In a corner, too, where the
-/// speed along the path is steady.
+/// By differences of positions and speeds, whatever it says of its acceleration; in corners, too:
+/// the speed along the path is steady there.
 void expect_little_jerk(const SmoothScene& scene, const Course& course, double time, double step) {
   const auto speed_at = [&](double when) {
     return size_of(course.at(when).velocity, course.axes());

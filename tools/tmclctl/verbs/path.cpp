@@ -23,6 +23,8 @@ namespace {
 
 namespace plan = tmcl::plan;
 
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
 Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objection,
                  Output& output) {
   if (!objection.problems.empty())
@@ -66,6 +68,24 @@ std::optional<tmcl::ramp::Resonance> resonance_of(const verb::ShapedPath& said) 
 std::optional<plan::Shaping> shaping_of(const verb::ShapedPath& said) {
   if (!said.shaper) return std::nullopt;
   return plan::Shaping{*said.shaper, *resonance_of(said)};
+}
+
+plan::PathResult<plan::Course> course_of(const verb::CheckPath& verb,
+                                         const plan::PathSource& source, double jerk) {
+  plan::PathLimits limits;
+  limits.axis.fill({verb.velocity, verb.acceleration, verb.corner_jump.value_or(unlimited)});
+  limits.jerk = jerk;
+  return plan::course_of(source, limits, verb.feed.value_or(unlimited), verb.tolerance,
+                         shaping_of(verb.shaping));
+}
+
+/// What its jerk makes of a course; nothing without one.
+std::optional<tmcl::api::path::JerkLimit> jerk_of(const verb::CheckPath& verb,
+                                                  const plan::Course& course,
+                                                  const plan::PathSource& source) {
+  if (!verb.jerk) return std::nullopt;
+  const auto plain = course_of(verb, source, unlimited).value();
+  return tmcld::view_of_jerk(course, plain, resonance_of(verb.shaping), source.path.axes);
 }
 
 std::string corners_warning(const verb::CheckPath& verb) {
@@ -125,23 +145,12 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
       plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance, setup);
   if (!source) return tl::unexpected(failure_of(verb, source.error(), output));
   auto warnings = plan::warnings_of(*source);
-  constexpr double unlimited = std::numeric_limits<double>::infinity();
-  plan::PathLimits limits;
-  limits.axis.fill({verb.velocity, verb.acceleration, verb.corner_jump.value_or(unlimited)});
-  limits.jerk = verb.jerk.value_or(unlimited);
-  const double feed = verb.feed.value_or(unlimited);
   const auto shaping = shaping_of(verb.shaping);
-  const auto planned = plan::course_of(*source, limits, feed, verb.tolerance, shaping);
+  const auto planned = course_of(verb, *source, verb.jerk.value_or(unlimited));
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   const auto course = view_of(*planned, *source, *machine);
   const auto shaped = tmcld::view_of(*planned, shaping, source->path.axes);
-  std::optional<tmcl::api::path::JerkLimit> smooth;
-  if (verb.jerk) {
-    limits.jerk = unlimited;
-    const auto plain = plan::course_of(*source, limits, feed, verb.tolerance, shaping);
-    if (!plain) return tl::unexpected(failure_of(verb, plain.error(), output));
-    smooth = tmcld::view_of_jerk(*planned, *plain, resonance_of(verb.shaping), source->path.axes);
-  }
+  const auto smooth = jerk_of(verb, *planned, *source);
   if (shaped && shaped->off_path > verb.tolerance) warnings.push_back(corners_warning(verb));
   warn(warnings, output);
   tmcl::api::path::Curve curve;

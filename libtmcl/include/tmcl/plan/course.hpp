@@ -97,8 +97,7 @@ class Course {
   PathMotion motion_at(double t) const;
   /// The same without its shaping, when that comes to about the same place.
   PathState unshaped_at(double t) const;
-  /// Without the shaping the first time, not before `t`, at which the acceleration of a course with a
-  /// jerk begins to change in another way, or has changed for a while; infinite if there is none.
+  /// Without the shaping: PathPlan::bend_not_before().
   double plain_bend_not_before(double t) const;
   /// None if it is not shaped.
   const std::vector<Impulse>& impulses() const { return impulses_; }
