@@ -99,7 +99,6 @@ TEST_F(CtlPath, CheckSaysWhatAShaperCostsAndGains) {
 
 TEST_F(CtlPath, CheckSaysWhatAJerkCostsAndGains) {
   const auto part = file("G1 X10 F1200\nG1 Y10\n");
-  // Twice a swing for its accelerations: from rest to 20 mm/s, and to rest, by 400 mm/s^2.
   std::vector<std::string> smooth{"path", "check", part, "--acceleration", "400", "--jerk", "4800"};
   EXPECT_EQ(run(smooth), ExitCode::done) << err;
   EXPECT_THAT(out, HasSubstr("with a jerk of 4800 at most: 0."));
