@@ -1,5 +1,6 @@
 """What tests of bridges share: a bench, a bridge as a process, and waiting for what is to be."""
 
+import json
 import os
 import pathlib
 import random
@@ -7,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import unittest
 
@@ -71,7 +73,7 @@ class BridgeTest(unittest.TestCase):
 
     def start(self, *command, **more):
         with open(self.bench.folder / "bridge.log", "ab") as log:
-            process = subprocess.Popen(command, stdout=log, stderr=log, env=os.environ, **more)
+            process = subprocess.Popen(command, **{"stdout": log, "stderr": log, **more})
         self.addCleanup(self.end, process)
         return process
 
@@ -104,6 +106,38 @@ class BridgeTest(unittest.TestCase):
             self.assertFalse(state.moving)
             self.assertEqual(state.position_microsteps, where)
             time.sleep(PAUSE_S)
+
+
+class Hosted:
+    """For a BridgeTest: `host`, a process that is told to do something by a line of JSON, [name, ...], and
+    that tells what happens by such lines, and ["done", name] at the end of each."""
+
+    def talk_to(self, *command):
+        pipes = dict.fromkeys(("stdin", "stdout"), subprocess.PIPE)
+        self.host = self.start(sys.executable, *command, text=True, **pipes)
+        self.addCleanup(self.host.stdin.close)
+        self.said = []
+        threading.Thread(target=self.listen, args=(self.host, self.said), daemon=True).start()
+
+    def listen(self, host, said):
+        with host.stdout:
+            for line in host.stdout:
+                said.append(json.loads(line))
+
+    def do(self, name, *said):
+        """What it told meanwhile."""
+        before = len(self.said)
+        self.host.stdin.write(json.dumps([name, *said]) + "\n")
+        self.host.stdin.flush()
+        until(lambda: ["done", name] in self.said[before:], f"{name} is done")
+        return self.said[before:]
+
+    def told(self, what, since=0):
+        return [said for name, said in self.said[since:] if name == what]
+
+    @property
+    def bridge(self):
+        return self.host
 
 
 class Faults:

@@ -1,20 +1,25 @@
-"""The plugin of PyMoDAQ, in a process that stands in for PyMoDAQ's own, beside a second client of tmcld."""
+"""The plugin of PyMoDAQ beside a second client of tmcld: in PyMoDAQ's own DAQ_Move where Python finds
+PyMoDAQ, else in a process that stands in for that."""
 
+import importlib.util
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
-import threading
+import tempfile
 import unittest
 
-from bridge_bench import FAR, LONGEST_S, ROOT, BridgeTest, Faults, freeze, until
+from bridge_bench import FAR, LONGEST_S, ROOT, BridgeTest, Faults, Hosted, freeze, until
 
 import tmcl
 
 PLUGIN = ROOT / "tools/python/examples/pymodaq"
 STAND_IN = ROOT / "tests/bridges/without_pymodaq"
+IN_PYMODAQ = ROOT / "tests/bridges/in_pymodaq.py"
+IS_REAL = importlib.util.find_spec("pymodaq") is not None
 
 # What DAQ_Move_Hardware does with a plugin: a command comes as a line of JSON, [name, ...], and all
 # that the plugin emits goes out as one; the timer ticks in between.
@@ -88,7 +93,27 @@ while True:
 """
 
 
-class PymodaqTest(BridgeTest):
+HOSTED = [IN_PYMODAQ] if IS_REAL else ["-c", HOST]
+
+
+def setUpModule():
+    """PyMoDAQ finds the plugins that are installed."""
+    path = [STAND_IN, PLUGIN]
+    if IS_REAL:
+        folder = tempfile.mkdtemp()
+        unittest.addModuleCleanup(shutil.rmtree, folder)
+        shutil.copytree(PLUGIN, f"{folder}/source")
+        subprocess.run(
+            [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-deps",
+             "--no-build-isolation", "--target", f"{folder}/site", f"{folder}/source"], check=True,
+        )
+        path = [f"{folder}/site", os.environ["PYTHONPATH"]]
+        os.environ["QT_QPA_PLATFORM"] = "offscreen"
+    print(f"in {'PyMoDAQ' if IS_REAL else 'a stand-in of PyMoDAQ'}", file=sys.stderr)
+    os.environ["PYTHONPATH"] = ":".join(map(str, [*path, ROOT / "tools/python"]))
+
+
+class PymodaqTest(Hosted, BridgeTest):
     lease = "move"
 
     def setUp(self):
@@ -103,50 +128,22 @@ class PymodaqTest(BridgeTest):
             [[axis]]
             name = "y"
         """)
-        path = [STAND_IN, PLUGIN, ROOT / "tools/python"]
-        os.environ["PYTHONPATH"] = ":".join(map(str, path))
+        os.environ["HOME"] = str(self.bench.folder)  # where PyMoDAQ writes its log
         os.environ["TMCL_PYMODAQ"] = str(self.configuration)
         self.start_host()
 
     def start_host(self, *settings):
-        with open(self.bench.folder / "bridge.log", "ab") as log:
-            self.host = subprocess.Popen(
-                [sys.executable, "-c", HOST, json.dumps(settings)], stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE, stderr=log, text=True,
-            )
-        self.addCleanup(self.end_host, self.host)
-        self.said = []
-        threading.Thread(target=self.listen, args=(self.host, self.said), daemon=True).start()
+        self.talk_to(*HOSTED, json.dumps(settings))
         until(self.is_initialized, lambda: f"it is initialized; it said {self.said}")
-
-    def listen(self, host, said):
-        for line in host.stdout:
-            said.append(json.loads(line))
 
     def is_initialized(self):
         return ["ini_stage", True] in [
             [name, said[1]] for name, said in self.do("ini_stage") if name == "ini_stage"
         ]
 
-    def end_host(self, host):
-        self.end(host)
-        host.stdin.close()
-        host.stdout.close()
-
-    def do(self, name, *said):
-        """What the plugin emitted meanwhile."""
-        before = len(self.said)
-        self.host.stdin.write(json.dumps([name, *said]) + "\n")
-        self.host.stdin.flush()
-        until(lambda: ["done", name] in self.said[before:], f"{name} is done")
-        return self.said[before:]
-
     def value(self):
         said = [said for name, said in self.do("get_actuator_value") if name == "get_actuator_value"]
         return said[-1][0]
-
-    def told(self, what, since=0):
-        return [said for name, said in self.said[since:] if name == what]
 
     def move(self, to, how="move_abs"):
         """As a person: asks again where it was not sent because the computer is busy."""
@@ -190,10 +187,11 @@ class Told(PymodaqTest):
         self.do("set", ["bounds", "max_bound"], 3.0)
         self.do("set", ["scaling", "use_scaling"], True)
         self.do("set", ["scaling", "scaling"], 2.0)
+        self.do("set", ["scaling", "offset"], 1.0)
         before = len(self.said)
         self.move(5.0)
         self.assertEqual(self.arrives(before), 3.0)
-        self.assertEqual(self.second.x.position, 1.5)
+        self.assertEqual(self.second.x.position, 2.5)
 
     def test_a_refusal_is_no_end_of_a_move(self):
         before = len(self.said)
@@ -234,7 +232,7 @@ class Told(PymodaqTest):
 
     def test_the_other_axis_is_another_actuator(self):
         self.do("close")
-        self.end_host(self.host)
+        self.end(self.host)
         self.start_host([["multiaxes", "axis"], "y"])
         before = len(self.said)
         self.move(1.0)
@@ -295,7 +293,7 @@ class Broken(PymodaqTest):
                     self.host.send_signal(signal.SIGCONT)
                     self.becomes_known()
                 else:
-                    self.end_host(self.host)
+                    self.end(self.host)
                     where = self.stands()
                     self.start_host()
                 self.assert_stays(where)
@@ -307,10 +305,6 @@ class Rounds(PymodaqTest, Faults):
     wait_for_loss = PymodaqTest.becomes_unknown
     wait_until_back = PymodaqTest.becomes_known
     wait_until_well = PymodaqTest.becomes_known
-
-    @property
-    def bridge(self):
-        return self.host
 
     def stop(self):
         self.do("stop_motion")

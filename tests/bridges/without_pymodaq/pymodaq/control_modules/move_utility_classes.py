@@ -38,11 +38,15 @@ class DataActuator:
             return other.data
         return other
 
+    def _summand(self, other):
+        assert isinstance(other, DataActuator) or not self.units, f"{self.units} and a number"
+        return self._number(other)
+
     def __add__(self, other):
-        return self._made(self.data + self._number(other))
+        return self._made(self.data + self._summand(other))
 
     def __sub__(self, other):
-        return self._made(self.data - self._number(other))
+        return self._made(self.data - self._summand(other))
 
     def __mul__(self, factor):
         return self._made(self.data * factor)

@@ -124,6 +124,19 @@ class DAQ_Move_Tmcl(DAQ_Move_base):
             self.fail(str(error))
             raise
 
+    # PyMoDAQ's own of these two add an offset without a unit, which its values refuse that have one.
+
+    def get_position_with_scaling(self, pos: DataActuator) -> DataActuator:
+        scaling = self.settings.child("scaling")
+        return (pos - self.offset()) * scaling["scaling"] if scaling["use_scaling"] else pos
+
+    def set_position_with_scaling(self, pos: DataActuator) -> DataActuator:
+        scaling = self.settings.child("scaling")
+        return pos / scaling["scaling"] + self.offset() if scaling["use_scaling"] else pos
+
+    def offset(self) -> DataActuator:
+        return DataActuator(self._title, data=self.settings["scaling", "offset"], units=self.axis_unit)
+
     # ---- what is told ------------------------------------------------------------------------
 
     def get_actuator_value(self) -> DataActuator:
