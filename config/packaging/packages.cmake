@@ -128,7 +128,8 @@ set(CPACK_DEBIAN_EPICS_PACKAGE_ARCHITECTURE all)
 tmcl_package(ros2 tmcl-ros2 electronics "motors on TMCL modules as joints of ros2_control"
   "Sources of a package of ROS 2, which Debian does not have: a system of
 ros2_control whose joints are axes of a tmcld. colcon builds it. Other
-clients of tmcld see and stop the same axes beside it."
+clients of tmcld see and stop the same axes beside it. It was not yet run
+in ROS 2."
   DEPENDS "libtmcl-dev (= ${PROJECT_VERSION})" RECOMMENDS tmcld)
 set(CPACK_DEBIAN_ROS2_PACKAGE_ARCHITECTURE all)
 
