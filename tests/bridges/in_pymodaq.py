@@ -22,6 +22,8 @@ def plain(said):
 
 
 def tell(name, said=None):
+    if isinstance(said, DataActuator):  # PyMoDAQ 5 tells it without a list
+        said = [said]
     said = [plain(it) for it in said] if isinstance(said, (list, tuple)) else plain(said)
     os.write(OUT, json.dumps([name, said]).encode() + b"\n")  # whole, from whichever thread
 

@@ -105,7 +105,7 @@ def setUpModule():
         shutil.copytree(PLUGIN, f"{folder}/source")
         subprocess.run(
             [sys.executable, "-m", "pip", "install", "-q", "--no-index", "--no-deps",
-             "--no-build-isolation", "--target", f"{folder}/site", f"{folder}/source"], check=True,
+             "--no-build-isolation", "--root-user-action", "ignore", "--target", f"{folder}/site", f"{folder}/source"], check=True,
         )
         path = [f"{folder}/site", os.environ["PYTHONPATH"]]
         os.environ["QT_QPA_PLATFORM"] = "offscreen"

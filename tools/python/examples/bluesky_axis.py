@@ -22,6 +22,7 @@ from typing import Any
 
 import tmcl
 from tmcl.bridge import ALARMING, AxisChoice, Bridge, Choices
+from tmcl.systems import result_of
 
 #: So long the axes may take to be told of.
 CONNECT_S = 5.0
@@ -113,7 +114,9 @@ class TmclAxis:
 
     def stop(self, *, success: bool = False) -> None:
         """Needs no lease. `success`: the movement that it stops has not failed, as in a pause."""
-        self.bridge.ask(self._stop(success))
+        stopping = self.bridge.begin(self._stop(success))
+        self._check_known()  # a RunEngine waits for this before it says what is lost
+        result_of(stopping)
 
     def recover(self) -> None:
         """Says that it may move again, whose module has started again."""
