@@ -17,6 +17,9 @@ constexpr auto model_period = std::chrono::milliseconds(1);
 constexpr std::int64_t periods_per_second = 1000;
 constexpr std::int64_t fine = 256;
 
+// So far a pull takes a rotor that slips in that time: 125 full steps a second, our choice.
+constexpr Place slide = 32;
+
 // Of the drivers of these modules, a TMC249 works from 7 V on, a TMC5160 from 8 V, a TMC262 from
 // 9 V. One limit for all is our choice.
 constexpr std::int32_t least_supply = 70;
@@ -79,6 +82,7 @@ MotorState AxisDriver::motor_state() const {
   const bool is_whole =
       !faults.has(DriverFault::open_load_a) && !faults.has(DriverFault::open_load_b);
   return {.speed = axis_.coupling.speed(),
+          .direction = axis_.coupling.direction(),
           .acceleration = acceleration_,
           .current = torque_current(),
           .supply = supply_,
@@ -103,20 +107,25 @@ bool AxisDriver::changes_by_itself() const {
 }
 
 TimePoint AxisDriver::next_tick() const {
-  const bool waits = rotor_.slips() && axis_.coupling.stage().settings().pull_in_speed;
-  if (!axis_.is_moving() || (!changes_by_itself() && !waits)) return never;
+  const auto& stage = axis_.coupling.stage().settings();
+  const bool waits = rotor_.slips() && stage.pull_in_speed;
+  const bool may_go = axis_.is_moving() || stage.pull != 0;
+  if (!may_go || (!changes_by_itself() && !waits)) return never;
   const auto passed = (axis_.now - axis_.power_on) / model_period;
   return axis_.power_on + (passed + 1) * model_period;
 }
 
-// Whether the rotor has lost the field, or caught it again.
+// Whether the rotor has lost the field, or caught it again, or was taken along.
 bool AxisDriver::run_tick() {
+  const auto& stage = axis_.coupling.stage().settings();
   const auto speed = axis_.coupling.fine_speed();
   acceleration_ = (speed - std::exchange(speed_at_tick_, speed)) * periods_per_second / fine;
   if (cools()) measure_load();
   const bool slipped = rotor_.slips();
+  const bool slides = slipped && torque_demanded_at_rest(stage) != 0;
+  if (slides) axis_.coupling.slide(stage.pull > 0 ? -slide : slide);
   watch_rotor();
-  return rotor_.slips() != slipped;
+  return slides || rotor_.slips() != slipped;
 }
 
 // stallGuard2 reads once in a full step.

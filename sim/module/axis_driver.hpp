@@ -21,7 +21,7 @@ class AxisDriver {
   void watch_rotor();
   /// When a load or a current that changes by itself is looked at.
   TimePoint tick() const { return tick_; }
-  /// Whether the rotor has lost the field, or caught it again.
+  /// Whether the rotor has lost the field, or caught it again, or was taken along by a pull.
   bool run_tick();
   TimePoint next_stall_check() const;
   bool stalls() const;

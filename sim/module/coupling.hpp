@@ -30,9 +30,11 @@ class Coupling {
 
   /// The rotor does not follow the motor's field, and the stage not either.
   void let_slip(bool slips) { slips_ = slips; }
+  /// What pulls at a rotor that slips takes the stage with it.
+  void slide(Place way) { stage_->move(way); }
 
   /// The stage does not follow where the motor turns.
-  bool is_held() const { return slips_ || stage_->holds(on_stage(motor_->heading())); }
+  bool is_held() const { return slips_ || stage_->holds(direction()); }
   /// It would not follow in one direction at least, or not at once: to turn round changes that,
   /// without any way.
   bool is_at_end() const {
@@ -45,6 +47,8 @@ class Coupling {
   /// How far the encoder counts when the motor makes `microsteps()` microsteps.
   std::int64_t counts() const;
   std::int64_t microsteps() const;
+  /// On the stage: 1 up, -1 down, 0 at rest.
+  int direction() const { return on_stage(motor_->heading()); }
   /// In full steps per second.
   std::int64_t speed() const { return motor_->speed() >> exponent_; }
   /// In 1/256 of that.

@@ -14,7 +14,12 @@ bool can_start_at(const StageSettings& stage, std::int64_t speed) {
 
 std::int64_t torque_demanded(const StageSettings& stage, const MotorState& motor) {
   const auto drag = stage.load + stage.load_per_velocity * motor.speed / 1000;
-  return std::abs(drag + stage.inertia * motor.acceleration / 1'000'000);
+  const auto pull = motor.direction * stage.pull;
+  return std::abs(drag + pull + stage.inertia * motor.acceleration / 1'000'000);
+}
+
+std::int64_t torque_demanded_at_rest(const StageSettings& stage) {
+  return std::max(std::abs(stage.pull) - stage.load, 0);
 }
 
 std::int64_t torque_available(const StageSettings& stage, const MotorState& motor) {
@@ -35,13 +40,14 @@ std::int64_t relative_load(const StageSettings& stage, const MotorState& motor) 
 }
 
 bool changes_with_speed(const StageSettings& stage) {
-  return stage.load_per_velocity != 0 || stage.inertia != 0 || stage.corner_speed ||
-         stage.torque_follows_current;
+  return stage.load_per_velocity != 0 || stage.inertia != 0 || stage.pull != 0 ||
+         stage.corner_speed || stage.torque_follows_current;
 }
 
 void Rotor::look(const StageSettings& stage, const MotorState& motor, bool driven) {
   const auto available = torque_available(stage, motor);
-  const bool keeps_up = available > (driven ? torque_demanded(stage, motor) : 0);
+  const auto demanded = driven ? torque_demanded(stage, motor) : torque_demanded_at_rest(stage);
+  const bool keeps_up = available > demanded;
   const bool was_lost = slips_;
   slips_ = !keeps_up || (was_lost && driven && !can_start_at(stage, motor.speed));
 }

@@ -5,7 +5,9 @@
 /// drives. The motor has as much as its current is of the full one, up to a corner speed, which the
 /// supply moves; above it, so much less as it is faster. A motor that is asked for all it has, or
 /// for more, stalls: its field goes on, and its rotor stays where it is. It catches on again when
-/// it has enough and the field is slow enough for it. docs/LOAD.md tells where that comes from.
+/// it has enough and the field is slow enough for it. A pull asks for torque in one direction,
+/// gives it in the other, and turns a rotor that has stalled. docs/LOAD.md tells where that comes
+/// from.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +25,7 @@ constexpr std::int32_t nominal_supply = 240;
 
 struct MotorState {
   std::int64_t speed = 0;               ///< In full steps per second, without a sign.
+  int direction = 0;                    ///< On the stage: 1 up, -1 down, 0 at rest.
   std::int64_t acceleration = 0;        ///< How it grows, in full steps per second squared.
   std::int32_t current = full_current;  ///< As a part of `full_current`.
   std::int32_t supply = nominal_supply;
@@ -30,12 +33,14 @@ struct MotorState {
 };
 
 std::int64_t torque_demanded(const StageSettings& stage, const MotorState& motor);
+/// By what pulls, as far as the load, which is friction, does not hold that.
+std::int64_t torque_demanded_at_rest(const StageSettings& stage);
 std::int64_t torque_available(const StageSettings& stage, const MotorState& motor);
 /// What is asked in 1/1000 of what there is; that is more than 1000 of a motor without torque.
 std::int64_t relative_load(const StageSettings& stage, const MotorState& motor);
 
-/// Its load or its torque changes with the speed, so that the moment of a stall is found only by
-/// looking.
+/// Its load or its torque changes with the speed or its direction, so that the moment of a stall is
+/// found only by looking.
 bool changes_with_speed(const StageSettings& stage);
 
 class Rotor {

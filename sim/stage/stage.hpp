@@ -41,6 +41,8 @@ struct StageSettings {
   std::int32_t full_steps_per_turn = 200;
   std::int32_t load = 0;               ///< In 1/1000 of what the motor can just drive.
   std::int32_t load_per_velocity = 0;  ///< More of it for each full step per second, in 1/1000.
+  /// A weight that hangs: towards lower places, or higher ones if it is below 0; in 1/1000.
+  std::int32_t pull = 0;
   std::int32_t inertia = 0;  ///< More for each full step per second squared, in 1/1000000.
   /// In full steps per second, at 24 V: above it the torque of the motor falls. Without one, never.
   std::optional<std::int32_t> corner_speed{};

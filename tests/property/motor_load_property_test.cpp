@@ -55,6 +55,7 @@ class Script : public test::Random<std::int32_t> {
     if (one_in(4)) stage.right_stop = 1000 + any_size(60'000);
     if (one_in(2)) stage.load = any_size(1100);
     if (one_in(2)) stage.load_per_velocity = any_size(4000);
+    if (one_in(4)) stage.pull = one_in(2) ? any_size(800) : -any_size(800);
     if (one_in(2)) stage.inertia = any_size(1'000'000);
     if (one_in(2)) stage.corner_speed = 1 + any_size(2000);
     if (one_in(2)) stage.pull_in_speed = any_size(500);
@@ -70,6 +71,7 @@ class Script : public test::Random<std::int32_t> {
     auto limits = stage();
     limits.load = any_size(400);
     limits.load_per_velocity = 0;
+    limits.pull = 0;
     limits.inertia = 0;
     limits.corner_speed = 1'000'000'000;
     limits.torque_follows_current = false;

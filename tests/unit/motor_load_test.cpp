@@ -28,6 +28,15 @@ TEST(MotorLoad, AnInertiaAsksForTorqueToSpeedUpAndGivesItBack) {
       << "it has to brake";
 }
 
+TEST(MotorLoad, APullAsksForTorqueOneWayAndGivesItTheOther) {
+  const StageSettings stage{.load = 100, .pull = 250};
+  EXPECT_EQ(torque_demanded(stage, {.speed = 10, .direction = 1}), 350);
+  EXPECT_EQ(torque_demanded(stage, {.speed = 10, .direction = -1}), 150) << "it has to brake";
+  EXPECT_EQ(torque_demanded_at_rest(stage), 150);
+  EXPECT_EQ(torque_demanded_at_rest({.load = 100, .pull = -250}), 150);
+  EXPECT_EQ(torque_demanded_at_rest({.load = 300, .pull = 250}), 0) << "friction holds it";
+}
+
 TEST(MotorLoad, HasAllItsTorqueUnlessToldOtherwise) {
   EXPECT_EQ(torque_available({}, {}), full_torque);
   EXPECT_EQ(torque_available({}, {.speed = 1'000'000, .current = 1, .supply = 120}), full_torque);
@@ -76,6 +85,7 @@ TEST(MotorLoad, TheRelativeLoadIsThatOfTheTorqueThereIs) {
 TEST(MotorLoad, OnlyTheSpeedIsWatchedThatMatters) {
   EXPECT_FALSE(changes_with_speed({.load = 500, .pull_in_speed = 10}));
   EXPECT_TRUE(changes_with_speed({.load_per_velocity = 1}));
+  EXPECT_TRUE(changes_with_speed({.pull = 1}));
   EXPECT_TRUE(changes_with_speed({.inertia = 1}));
   EXPECT_TRUE(changes_with_speed({.corner_speed = 1}));
   EXPECT_TRUE(changes_with_speed({.torque_follows_current = true}));
@@ -118,6 +128,12 @@ TEST(Rotor, CatchesOnAtRest) {
   EXPECT_TRUE(motor.slips_at({.speed = 100}));
   EXPECT_FALSE(motor.slips_at({.speed = 0}, false));
   EXPECT_TRUE(motor.slips_at({.speed = 0}, true));
+}
+
+TEST(Rotor, IsPulledAlongAtRestByMoreThanItHas) {
+  Driven motor{{.load = 100, .pull = 600, .torque_follows_current = true}};
+  EXPECT_FALSE(motor.slips_at({.speed = 0}, false));
+  EXPECT_TRUE(motor.slips_at({.speed = 0, .current = half_current}, false));
 }
 
 TEST(Rotor, IsLooseWithoutACurrent) {

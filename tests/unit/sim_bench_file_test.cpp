@@ -260,6 +260,7 @@ TEST(BenchFile, LimitsAMotor) {
     model = "TMCM-1110"
     supply = "usb"
     [[module.axis]]
+    pull = -150
     inertia = 400
     corner_speed = 600
     pull_in_speed = 0
@@ -275,6 +276,7 @@ TEST(BenchFile, LimitsAMotor) {
                                      "b.toml");
   ASSERT_TRUE(file) << file.error();
   const auto& stage = file->front().axes[0];
+  EXPECT_EQ(stage.pull, -150);
   EXPECT_EQ(stage.inertia, 400);
   EXPECT_EQ(stage.corner_speed, 600);
   EXPECT_EQ(stage.pull_in_speed, 0);

@@ -13,6 +13,7 @@ namespace ap = axis_parameter;
 using std::chrono::seconds;
 
 constexpr std::uint8_t max_current = 6;
+constexpr std::uint8_t standby_current = 7;
 constexpr std::uint8_t short_protection_disable = 177;
 constexpr std::uint8_t current_minimum = 168;
 constexpr std::uint8_t down_step = 169;
@@ -114,6 +115,20 @@ TEST_F(SimMotor, TurnsWhatItsCurrentIsEnoughFor) {
   pass(seconds(1));
   EXPECT_NEAR(lost(), full_steps(100), 256);
   EXPECT_EQ(get(current), 10);
+}
+
+TEST_F(SimMotor, SlidesAtRestWhereItsStandbyCurrentIsTooSmallForWhatPulls) {
+  add_watched({.load = 50, .pull = 300, .torque_follows_current = true});
+  set(standby_current, 64);
+  pass(seconds(5));
+  EXPECT_EQ(lost(), 0);
+  set(standby_current, 56);
+  pass(seconds(1));
+  EXPECT_NEAR(lost(), full_steps(125), 256);
+  set(standby_current, 64);
+  pass(seconds(1));
+  EXPECT_NEAR(lost(), full_steps(125), 256);
+  EXPECT_EQ(get(ap::actual_position), 0) << "the module knows nothing of it";
 }
 
 TEST_F(SimMotor, HasHalfTheCurrentWhereItsResistorsSeeLittle) {

@@ -56,6 +56,7 @@ constexpr auto axis_keys = std::to_array<std::string_view>({"motor",
                                                             "full_steps_per_turn",
                                                             "load",
                                                             "load_per_velocity",
+                                                            "pull",
                                                             "inertia",
                                                             "corner_speed",
                                                             "pull_in_speed",
@@ -162,6 +163,7 @@ StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take(table, "full_steps_per_turn", {1, greatest_count}, stage.full_steps_per_turn);
   take(table, "load", {0, greatest_load}, stage.load);
   take(table, "load_per_velocity", {0, greatest_load}, stage.load_per_velocity);
+  take(table, "pull", {-greatest_load, greatest_load}, stage.pull);
   take(table, "inertia", {0, greatest_load}, stage.inertia);
   take_speed(table, "corner_speed", 1, stage.corner_speed);
   take_speed(table, "pull_in_speed", 0, stage.pull_in_speed);

@@ -98,6 +98,7 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
       full_steps_per_turn = 200
       load = 100                     # in 1/1000 of what the motor can drive
       load_per_velocity = 5          # more of it for each full step per second, in 1/1000
+      pull = 150                     # of a weight that hangs, down; up if it is below 0
       inertia = 400                  # more for each full step per second squared, in 1/1000000
       corner_speed = 600             # full steps per second at 24 V, above which its torque falls
       pull_in_speed = 200            # below it a motor that has lost steps catches on
