@@ -39,6 +39,7 @@ axis::Tuned tuned_view(const TunedAxis& tuned, const GatewayAxis& axis) {
   view.counts_per_microstep = found.counts_per_microstep;
   view.lost_steps = found.lost_steps;
   view.warnings = found.warnings;
+  if (found.hold_current) view.hold_current = tuned_view(*found.hold_current);
   for (const auto& trial : found.trials) view.trials.push_back(tuned_view(trial));
   for (const auto& setting : found.settings) {
     const auto* row = find_parameter(axis.parameters(), setting.parameter);

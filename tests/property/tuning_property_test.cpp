@@ -21,6 +21,7 @@ namespace ap = axis_parameter;
 
 constexpr double full_step = 256;
 constexpr std::int32_t greatest_current = 255;
+constexpr std::string_view usual_model = "TMCM-1276";
 constexpr double scales = 32;
 /// What is found may be so far below what the load bears: 2 % of the search and 8 % of the model,
 /// which looks at torque every millisecond.
@@ -60,12 +61,18 @@ struct Load {
   sim::StageSettings stage;
   Truth truth;
   ValueRange travel{};
+  std::int32_t standby_current = 0;  ///< Enough.
 
+  /// The least of parameter 7 with which its scale leaves enough torque at rest.
+  std::int32_t least_standby_current() const {
+    return 8 * (std::max(std::abs(stage.pull) - stage.load, 0) * 32 / 1000);
+  }
   std::string text() const {
     return "load " + std::to_string(stage.load) + ", friction " +
-           std::to_string(stage.load_per_velocity) + ", inertia " + std::to_string(stage.inertia) +
-           ", corner " + std::to_string(*stage.corner_speed) + ", encoder " +
-           std::to_string(stage.encoder->counts_per_turn) + ", backlash " +
+           std::to_string(stage.load_per_velocity) + ", pull " + std::to_string(stage.pull) +
+           ", standby " + std::to_string(standby_current) + ", inertia " +
+           std::to_string(stage.inertia) + ", corner " + std::to_string(*stage.corner_speed) +
+           ", encoder " + std::to_string(stage.encoder->counts_per_turn) + ", backlash " +
            std::to_string(stage.backlash) + ", noise " + std::to_string(stage.load_value_noise) +
            ", pull in " + std::to_string(stage.pull_in_speed.value_or(-1)) + ", acceleration " +
            std::to_string(truth.acceleration);
@@ -81,6 +88,7 @@ class Loads : public test::Random<std::int32_t> {
     auto& stage = load.stage;
     stage.load = between(0, 300);
     stage.load_per_velocity = between(0, 300);
+    if (one_in(2)) stage.pull = between(-250, 250);
     stage.inertia = between(10'000, 300'000);
     stage.corner_speed = between(150, 1500);
     if (one_in(2)) stage.pull_in_speed = between(0, 200);
@@ -90,7 +98,8 @@ class Loads : public test::Random<std::int32_t> {
     stage.backlash = one_in(2) ? 0 : between(1, 1000);
     stage.encoder = sim::EncoderSettings{between(1'000, 60'000), one_in(4)};
     stage.full_steps_per_turn = one_in(2) ? 200 : 400;
-    load.truth.torque.load = stage.load;
+    // Against what pulls.
+    load.truth.torque.load = stage.load + std::abs(stage.pull);
     load.truth.torque.load_per_velocity = stage.load_per_velocity;
     load.truth.torque.inertia = stage.inertia;
     load.truth.torque.corner_speed = *stage.corner_speed;
@@ -99,19 +108,25 @@ class Loads : public test::Random<std::int32_t> {
     const double way = 1.2 * speed * speed / load.truth.acceleration + speed + 200;
     const auto half = static_cast<std::int32_t>(way * full_step / 2);
     load.travel = {-half - between(0, 5000), half};
+    load.standby_current = between(load.least_standby_current(), 128);
     return load;
   }
 };
 
 class Tuned {
  public:
-  Tuned(const Load& load, std::uint64_t seed)
-      : load_(load), module_(*find_model("TMCM-1276"), {}, load.stage) {
+  Tuned(const Load& load, std::uint64_t seed, std::string_view model = usual_model)
+      : load_(load), model_(*find_model(model)), module_(model_, {}, load.stage) {
     module_.random.seed(seed);
     module_.exchange_time = {milliseconds(2), milliseconds(4)};
+    if (find_parameter(axis_parameters(model_), ap::unit_mode) != nullptr) set(ap::unit_mode, 1);
     set(ap::max_velocity, 51'200);
     set(ap::max_acceleration, static_cast<std::int32_t>(load.truth.acceleration * full_step));
-    set(number_of("stallguard2_threshold"), 3);
+    const auto of_range = [this](std::uint8_t parameter, std::int32_t of_256) {
+      set(parameter, of_256 * (greatest(parameter) + 1) / 256);
+    };
+    if (model_.family == Family::sixpoint) set(number_of("stallguard2_threshold"), 3);
+    of_range(number_of("standby_current"), load.standby_current);
     module_.after_each = [this] {
       const auto place = module_.lone.module.stage(0).position();
       least_place_ = std::min(least_place_, place);
@@ -120,12 +135,13 @@ class Tuned {
   }
 
   Result<Tuning> tune() {
-    const auto& model = *find_model("TMCM-1276");
     TuneOptions options;
-    options.units = {"x", &model, initial_units(model)};
-    for (const auto parameter : tune_parameters(model))
+    std::vector<std::int32_t> counted;
+    for (const auto parameter : unit_parameters(model_)) counted.push_back(module_.get(parameter));
+    options.units = {"x", &model_, *module_units(model_, counted)};
+    for (const auto parameter : tune_parameters(model_))
       options.settings.push_back({parameter, module_.get(parameter)});
-    options.max_current = greatest_current;
+    options.max_current = greatest(number_of("max_current"));
     options.travel = load_.travel;
     before_ = options.settings;
     return module_.run(verbs::tune({ModuleAddress{1}, 0}, options));
@@ -146,7 +162,12 @@ class Tuned {
         << int{parameter};
   }
 
+  std::int32_t greatest(std::uint8_t parameter) const {
+    return find_parameter(axis_parameters(model_), parameter)->maximum;
+  }
+
   const Load& load_;
+  const Model& model_;
   test::VerifiedModule module_;
   std::vector<plan::Setting> before_;
   sim::Place least_place_ = 0;
@@ -165,6 +186,20 @@ double least_threshold(const Load& load, double speed, double current, double to
       std::min(1000 * (std::floor(current / 8) + 1) / scales, load.truth.torque.there(speed));
   const auto share = load.truth.torque.asked(speed, 0) / there;
   return (0.1 * 1024 + load.stage.load_value_slope * share + too_low - 500) / 8;
+}
+
+void expect_hold_current(const Load& load, const Tuning& found) {
+  ASSERT_TRUE(found.hold_current);
+  const auto least = load.least_standby_current();
+  const auto& hold = *found.hold_current;
+  EXPECT_GE(hold.limit, least);
+  EXPECT_LT(hold.limit, least + 8);
+  EXPECT_GE(hold.proposed, least);
+  // It stood with none.
+  if (least != 0) EXPECT_EQ(hold.limited_by, LimitedBy::motor);
+  if (hold.limited_by == LimitedBy::motor) EXPECT_GE(hold.proposed, least + 8);
+  const auto slid = [](const TuneTrial& one) { return one.sought == Sought::hold && !one.held; };
+  EXPECT_LE(std::ranges::count_if(found.trials, slid), 1);
 }
 
 struct Tally {
@@ -204,6 +239,7 @@ void tune_load_of(std::uint64_t seed, Tally& tally) {
     EXPECT_GE(*found->threshold, least_threshold(load, proposed, current, -noise) - 1);
     EXPECT_LE(*found->threshold, least_threshold(load, proposed, current, noise) + 4);
   }
+  expect_hold_current(load, *found);
   EXPECT_NEAR(found->backlash, static_cast<double>(load.stage.backlash), full_step / 2);
   tuned.expect_left_as_it_was();
 }

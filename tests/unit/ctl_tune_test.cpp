@@ -43,6 +43,7 @@ struct CtlTune : testing::Test, Ctl {
          array{
              object{{"parameter", 4}, {"name", "max_velocity"}, {"value", 9}, {"before", 5}},
              object{{"parameter", 5}, {"name", "max_acceleration"}, {"value", 8}, {"before", 8}}}},
+        {"hold_current", {{"limit", 64}, {"proposed", 77}, {"limited_by", "motor"}}},
         {"warnings", array{"search the reference again"}}};
   }
   const std::vector<std::string> words{"tune",     "x",         "--max-current", "200",
@@ -56,6 +57,7 @@ TEST_F(CtlTune, SaysWhatWasFoundDrawsTheTrialsAndSaysWhatToTypeNext) {
   EXPECT_THAT(out, HasSubstr("120000pps"));
   EXPECT_THAT(out, HasSubstr("beyond that it lost steps"));
   EXPECT_THAT(out, HasSubstr("no more was tried"));
+  EXPECT_THAT(out, HasSubstr("below that it slid at rest"));
   EXPECT_THAT(out, HasSubstr("velocity     |o "));
   EXPECT_THAT(out, HasSubstr(" x| 50000 to 200000\n"));
   EXPECT_THAT(out, HasSubstr("3 trials, 2 of them held (o); backlash 33.5 microsteps\n"));

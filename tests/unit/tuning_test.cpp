@@ -31,13 +31,19 @@ sim::StageSettings some_load() {
 
 class TunedModule {
  public:
-  explicit TunedModule(const sim::StageSettings& stage, std::string_view model = "TMCM-1276")
+  explicit TunedModule(const sim::StageSettings& stage, std::string_view model = "TMCM-1276",
+                       std::int32_t standby_current = 8)
       : model_(find_model(model)), module(*model_, {}, stage) {
     module.exchange_time = {2ms, 4ms};
+    options.units = {"x", model_, initial_units(*model_)};
+    if (model_->family == Family::tmc457) {
+      set(ap::unit_mode, 1);
+      options.units.module = ModuleUnits{};
+    }
     set(ap::max_velocity, 200 * full_step);
     set(ap::max_acceleration, 1500 * full_step);
     set(number_of("smart_energy_hysteresis_start"), 2);
-    options.units = {"x", model_, initial_units(*model_)};
+    set(number_of("standby_current"), standby_current);
     for (const auto parameter : tune_parameters(*model_))
       options.settings.push_back({parameter, module.get(parameter)});
     options.max_current = 255;
@@ -122,6 +128,49 @@ TEST(Tuning, SaysWhatTheTravelIsTooShortFor) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->velocity.limited_by, LimitedBy::travel);
   EXPECT_THAT(found->warnings.front(), HasSubstr("the travel is too short"));
+}
+
+// Of 1000 it is drawn by 300, of which friction holds 50: 8 of 32 steps are enough.
+sim::StageSettings hanging_load() {
+  auto stage = some_load();
+  stage.load = 50;
+  stage.pull = 300;
+  return stage;
+}
+
+TEST(Tuning, ProposesAStandbyCurrentWithWhichALoadThatHangsStands) {
+  TunedModule tuned(hanging_load(), "TMCM-1276", 128);
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->hold_current);
+  EXPECT_EQ(found->hold_current->limited_by, LimitedBy::motor);
+  EXPECT_EQ(found->hold_current->limit, 64);
+  EXPECT_EQ(found->hold_current->proposed, std::ceil(1.2 * 64));
+  const auto is_hold = [](const plan::Setting& setting) { return setting.parameter == 7; };
+  EXPECT_EQ(std::ranges::count_if(found->settings, is_hold), 1);
+  const auto slid = [](const TuneTrial& one) { return one.sought == Sought::hold && !one.held; };
+  EXPECT_EQ(std::ranges::count_if(found->trials, slid), 1) << "it slides only once";
+  tuned.expect_left_as_it_was();
+  EXPECT_NEAR(static_cast<double>(tuned.place()), 0, full_step);
+}
+
+TEST(Tuning, ProposesMoreStandbyCurrentWhereALoadSlidesWithWhatItHas) {
+  TunedModule tuned(hanging_load(), "TMCM-1276", 40);
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->hold_current);
+  EXPECT_EQ(found->hold_current->limit, 64);
+}
+
+TEST(Tuning, LeavesTheStandbyCurrentWhereNothingMovesTheAxis) {
+  TunedModule tuned(some_load());
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->hold_current);
+  EXPECT_EQ(found->hold_current->limited_by, LimitedBy::bounds);
+  EXPECT_EQ(found->hold_current->limit, 0);
+  EXPECT_EQ(found->hold_current->proposed, 8);
+  for (const auto& setting : found->settings) EXPECT_NE(setting.parameter, 7);
 }
 
 TEST(Tuning, NeedsAnEncoderThatFollows) {

@@ -1,5 +1,6 @@
 /// The greatest velocity and acceleration that an axis bears, found by moves whose steps its
-/// encoder counts; then the least current for them, and a stallGuard2 threshold.
+/// encoder counts; then the least current for them, a stallGuard2 threshold, and the least standby
+/// current with which nothing moves it.
 ///
 /// Each trial is a move there and back within the travel, and is ended at the first sign of
 /// trouble: the encoder is not where the motor should be, or the motor does not arrive. Then the
@@ -24,15 +25,15 @@
 namespace tmcl {
 
 /// What a trial is for.
-enum class Sought : std::uint8_t { velocity, acceleration, current, threshold, confirmation };
+enum class Sought : std::uint8_t { velocity, acceleration, current, threshold, confirmation, hold };
 std::string_view name_of(Sought sought);
 
-/// A move there and back.
+/// A move there and back; for the standby current, the rest after each of them.
 struct TuneTrial {
   Sought sought{};
   PulsesPerSecond velocity;
   PulsesPerSecond2 acceleration;
-  std::int32_t current = 0;  ///< Axis parameter 6.
+  std::int32_t current = 0;  ///< Axis parameter 6; for the standby current 7.
   bool held = false;
   double deviation = 0;                      ///< The greatest that the encoder had, in microsteps.
   std::optional<std::int32_t> load_value{};  ///< The least at full speed; nothing: not looked at.
@@ -61,6 +62,9 @@ struct Tuning {
   std::vector<plan::Setting> settings{};  ///< What is proposed, in the order in which to set it.
   std::vector<std::string> warnings{};    ///< Sentences without a full stop.
   bool lost_steps = false;                ///< Its position was set as its encoder had it.
+  /// Of parameter 7. Where the axis stood with all less as well (LimitedBy::bounds), what it has is
+  /// proposed. Nothing: the axis stood with none.
+  std::optional<TunedValue> hold_current{};
 };
 
 struct TuneOptions {

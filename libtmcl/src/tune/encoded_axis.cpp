@@ -205,6 +205,18 @@ Script<Result<Passage>> EncodedAxis::pass_to(std::int32_t target, Lookout lookou
   co_return passage;
 }
 
+Script<Result<double>> EncodedAxis::slides_with(plan::Setting setting, Duration span) {
+  const double first = co_await must(quiet());
+  co_await must(watched_->set(setting));
+  const auto begin = co_await current_time();
+  double slid = 0;
+  while (slid <= tolerance_at_rest() && co_await current_time() - begin < span) {
+    const auto counted = co_await must(watched_->get(encoder_));
+    slid = std::max(slid, std::abs((counted - first) / ratio_));
+  }
+  co_return slid;
+}
+
 Script<Result<void>> EncodedAxis::correct(bool up, Duration limit) {
   co_await must(watched_->stop());
   // What a module counts is set only while its motor stands.

@@ -37,6 +37,11 @@ class EncodedAxis {
   Script<Result<void>> calibrate(ValueRange range, Duration limit);
   /// Sends it there, and stops it at the first sign of trouble.
   Script<Result<Passage>> pass_to(std::int32_t target, Lookout lookout);
+  /// Sets that at an axis that stands, and looks at it for so long, or until it has moved. Gives
+  /// back how far, in microsteps.
+  Script<Result<double>> slides_with(plan::Setting setting, Duration span);
+  /// What stands off by less is not seen.
+  double tolerance_at_rest() const;
   /// After trouble: sets its position as the encoder has it. `up`: where it was going; it stands
   /// within `limit`.
   Script<Result<void>> correct(bool up, Duration limit);
@@ -61,7 +66,6 @@ class EncodedAxis {
   /// How far beyond what can be.
   double deviation(const Sight& sight) const;
   double off_at_rest(double place, std::int32_t from, std::int32_t target) const;
-  double tolerance_at_rest() const;
   double grain() const;
   /// A ratio that was measured on a short way says less about a long one.
   double uncertainty(double place) const;

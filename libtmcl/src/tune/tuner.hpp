@@ -15,6 +15,7 @@ namespace tmcl::verbs {
 /// The axis parameters that are set and read.
 namespace tuned {
 constexpr auto max_current = number_of("max_current");
+constexpr auto standby_current = number_of("standby_current");
 constexpr auto max_bow = number_of("max_bow");
 constexpr auto load_value = number_of("load_value");
 constexpr auto threshold = number_of("stallguard2_threshold");
@@ -36,6 +37,10 @@ class Tuner {
   Script<Result<void>> find_acceleration();
   Script<Result<void>> find_current();
   Script<Result<void>> find_threshold();
+  Script<Result<void>> find_hold_current();
+  Script<Result<std::optional<std::int32_t>>> least_hold_current();
+  Script<Result<bool>> stands_with(std::int32_t current);
+  Script<Result<void>> hold_at_once();
   Script<Result<void>> confirm();
   Script<Result<void>> search(Sought sought, plan::LimitSearch& search);
   Script<Result<bool>> trial(Sought sought, const plan::PlannedRamp& ramp, std::int32_t current,
@@ -52,6 +57,7 @@ class Tuner {
   bool has(std::uint8_t parameter) const {
     return find_parameter(axis_parameters(model()), parameter) != nullptr;
   }
+  const ParameterInfo* row_of(std::string_view name) const;
   /// Nothing for what the module does not have.
   std::optional<plan::PlannedRamp> ramp_of(double velocity, double acceleration) const;
   std::optional<plan::PlannedRamp> ramp_for(Sought sought, double value) const;

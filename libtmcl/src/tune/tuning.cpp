@@ -215,6 +215,9 @@ void Tuner::propose() {
   found_.settings = plan::in_safe_order(ramp->choice.settings, present(plan::pulse_divisor));
   found_.settings.push_back(
       {tuned::max_current, static_cast<std::int32_t>(found_.current.proposed)});
+  const auto& hold = found_.hold_current;
+  if (hold && hold->limited_by == LimitedBy::motor)
+    found_.settings.push_back({tuned::standby_current, static_cast<std::int32_t>(hold->proposed)});
   if (found_.threshold) found_.settings.push_back({tuned::threshold, *found_.threshold});
   found_.backlash = encoded_->backlash();
   found_.counts_per_microstep = encoded_->counts_per_microstep();
@@ -243,6 +246,7 @@ Script<Result<void>> Tuner::course() {
   co_await must(find_acceleration());
   co_await must(find_current());
   co_await must(find_threshold());
+  co_await must(find_hold_current());
   co_await must(confirm());
   co_await must(go_slowly_to(watched_.home().value));
   propose();
@@ -274,6 +278,7 @@ std::string_view name_of(Sought sought) {
     case Sought::current: return "current";
     case Sought::threshold: return "threshold";
     case Sought::confirmation: return "confirmation";
+    case Sought::hold: return "hold";
   }
   return {};
 }
@@ -309,7 +314,8 @@ std::vector<std::uint8_t> tune_parameters(const Model& model) {
   add(axis_parameter::max_velocity);
   add(plan::acceleration_parameter(model));
   for (const auto* name : {"max_current", "max_bow", "stallguard2_threshold",
-                           "smart_energy_stall_velocity", "smart_energy_hysteresis_start"}) {
+                           "smart_energy_stall_velocity", "smart_energy_hysteresis_start",
+                           "standby_current", "power_down_delay", "power_down_ramp"}) {
     if (const auto* row = find_parameter(axis_parameters(model), name)) add(row->number);
   }
   return parameters;

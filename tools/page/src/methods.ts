@@ -1881,13 +1881,13 @@ export interface Methods {
       lost_steps: boolean;
       /** all that were made, in their order */
       trials: {
-        /** velocity, acceleration, current, threshold, or confirmation */
+        /** velocity, acceleration, current, threshold, confirmation, or hold */
         sought: string;
         /** in microsteps per second */
         velocity_pps: number;
         /** per second squared */
         acceleration_pps2: number;
-        /** of parameter 6 */
+        /** of parameter 6; for hold, of parameter 7 */
         current: number;
         /** the encoder was where the motor should be, there and back */
         held: boolean;
@@ -1915,6 +1915,15 @@ export interface Methods {
       stored: boolean;
       /** about what was found */
       warnings: string[];
+      /** of parameter 7, with which the axis stands; bounds: nothing moved it with less either, and what it has is proposed; null where the module has none, or none was enough */
+      hold_current: {
+        /** the greatest that held, or of the current the least */
+        limit: number;
+        /** with the margin */
+        proposed: number;
+        /** motor: a trial beyond it failed; travel: that is too short for more; bounds: those of the axis and of its module */
+        limited_by: string;
+      } | null;
     };
   };
   /** moves an axis a little, and finds out in what its module is not like its twin */

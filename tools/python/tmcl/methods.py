@@ -1288,13 +1288,13 @@ class AxisTuneVelocity(Record):
 
 @dataclass(frozen=True)
 class AxisTuneTrials(Record):
-    #: velocity, acceleration, current, threshold, or confirmation
+    #: velocity, acceleration, current, threshold, confirmation, or hold
     sought: str = ""
     #: in microsteps per second
     velocity_pps: float = 0.0
     #: per second squared
     acceleration_pps2: float = 0.0
-    #: of parameter 6
+    #: of parameter 6; for hold, of parameter 7
     current: int = 0
     #: the encoder was where the motor should be, there and back
     held: bool = False
@@ -1347,7 +1347,10 @@ class AxisTune(Record):
     stored: bool = False
     #: about what was found
     warnings: tuple[str, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"velocity": AxisTuneVelocity, "acceleration": AxisTuneVelocity, "current": AxisTuneVelocity, "trials": AxisTuneTrials, "settings": AxisTuneSettings}
+    #: of parameter 7, with which the axis stands; bounds: nothing moved it with less either,
+    #: and what it has is proposed; null where the module has none, or none was enough
+    hold_current: AxisTuneVelocity | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"velocity": AxisTuneVelocity, "acceleration": AxisTuneVelocity, "current": AxisTuneVelocity, "trials": AxisTuneTrials, "settings": AxisTuneSettings, "hold_current": AxisTuneVelocity}
 
 
 @dataclass(frozen=True)

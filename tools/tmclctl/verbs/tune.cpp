@@ -58,7 +58,8 @@ std::string picture(const Tuned& tuned) {
   const Strip strips[] = {
       {"velocity", [](const TuneTrial& trial) { return trial.velocity_pps; }},
       {"acceleration", [](const TuneTrial& trial) { return trial.acceleration_pps2; }},
-      {"current", [](const TuneTrial& trial) { return static_cast<double>(trial.current); }}};
+      {"current", [](const TuneTrial& trial) { return static_cast<double>(trial.current); }},
+      {"hold", [](const TuneTrial& trial) { return static_cast<double>(trial.current); }}};
   std::string text;
   for (const auto& strip : strips) text += drawn(strip, tuned.trials);
   return text;
@@ -93,6 +94,11 @@ void print(const verb::Tune& verb, const Tuned& tuned, Output& output) {
   row("acceleration", tuned.acceleration, "pps/s", why_no_more(tuned.acceleration));
   const bool is_least = tuned.current.limited_by == "motor";
   row("current", tuned.current, "", is_least ? "below that it lost steps" : "no less was tried");
+  if (tuned.hold_current) {
+    const bool was_seen = tuned.hold_current->limited_by == "motor";
+    row("hold current", *tuned.hold_current, "",
+        was_seen ? "below that it slid at rest" : "nothing moved it at rest: as it was");
+  }
   if (tuned.threshold)
     table.add({"threshold", "", std::to_string(*tuned.threshold), "the load value keeps off 0"});
   table.print(output);
@@ -154,9 +160,10 @@ Result<ExitCode> run(const verb::Tune& verb, Context& context) {
 constexpr const char* tune_help = R"(
 Finds what the axis bears, by moves there and back within its travel, whose steps its encoder counts:
 the greatest velocity with the acceleration that the axis has, then the greatest acceleration at the
-velocity that is proposed, then the least current for both, and, where the module has stallGuard2, the
-least threshold with which its load value keeps off 0. Proposed is less than the limit by --margin, of
-the current more. In the end all of it is made twice on all of the travel.
+velocity that is proposed, then the least current for both, where the module has stallGuard2 the least
+threshold with which its load value keeps off 0, and the least standby current with which the axis stands.
+Proposed is less than the limit by --margin, of currents more. In the end all of it is made twice on all
+of the travel.
 
 An axis without an encoder is refused: nothing else would tell. A trial ends at the first sign of
 trouble: the encoder is four full steps from where it should be, or half a full step when the axis
@@ -164,12 +171,13 @@ stands. The motor is stopped, the position is set again as the encoder has it, a
 axis that has lost steps has lost its reference, and is to search it again.
 
 The axis moves at the edge of what it can do, again and again: nothing may be in its way, and no hand
-near it. With soft limits it must have searched its reference. No other client can move or set it
+near it. A load that hangs falls where steps are lost, until the motor stands, and slides a little where
+the standby current is too small. With soft limits it must have searched its reference. No other client can move or set it
 meanwhile. It ends where it began with the settings that it had, unless --store says to keep what is
 proposed; a stop, or Ctrl-C, ends it, and it gets its settings back. --max-current is never exceeded.
 
-Not found: the current at rest, a bow ('tmclctl resonance' measures the load for 'tmclctl ramp
---compare'), and what changes with temperature, wear, and supply. docs/TUNING.md says more.
+Not found: a bow ('tmclctl resonance' measures the load for 'tmclctl ramp --compare'), and what changes
+with temperature, wear, and supply. docs/TUNING.md says more.
 
   tmclctl tune x --max-current 200 --travel -50mm..50mm
   tmclctl tune x --max-current 200 --margin 50 --store --yes

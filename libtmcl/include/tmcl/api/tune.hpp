@@ -23,10 +23,11 @@ struct TunedValue {
 };
 struct TuneTrial {
   TMCL_STRUCT(TuneTrial);
-  TMCL_FIELD(std::string, sought, "velocity, acceleration, current, threshold, or confirmation");
+  TMCL_FIELD(std::string, sought,
+             "velocity, acceleration, current, threshold, confirmation, or hold");
   TMCL_FIELD(double, velocity_pps, "in microsteps per second");
   TMCL_FIELD(double, acceleration_pps2, "per second squared");
-  TMCL_FIELD(std::int32_t, current, "of parameter 6");
+  TMCL_FIELD(std::int32_t, current, "of parameter 6; for hold, of parameter 7");
   TMCL_FIELD(bool, held, "the encoder was where the motor should be, there and back");
   TMCL_FIELD(double, deviation, "the greatest that the encoder had, in microsteps");
   TMCL_FIELD(std::optional<std::int32_t>, load_value, "the least at full speed, where it was read");
@@ -50,6 +51,10 @@ struct Tuned {
   TMCL_FIELD(std::vector<TunedSetting>, settings, "what is proposed, in the order to set it");
   TMCL_FIELD(bool, stored, "they are set, and in the module's EEPROM where that keeps them");
   TMCL_FIELD(std::vector<std::string>, warnings, "about what was found");
+  TMCL_FIELD(
+      std::optional<TunedValue>, hold_current,
+      "of parameter 7, with which the axis stands; bounds: nothing moved it with less either, "
+      "and what it has is proposed; null where the module has none, or none was enough");
 };
 struct Tune {
   TMCL_METHOD("axis.tune", moves, Tuned,
