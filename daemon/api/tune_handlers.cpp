@@ -24,7 +24,20 @@ axis::TuneTrial tuned_view(const tmcl::TuneTrial& trial) {
           trial.deviation,
           trial.load_value,
           trial.threshold,
-          trial.trouble};
+          trial.trouble,
+          trial.swing};
+}
+
+axis::TunedBow tuned_view(const tmcl::TunedBow& bow) {
+  axis::TunedBow view;
+  view.value = bow.value;
+  if (bow.resonance) {
+    view.resonance_hz = bow.resonance->frequency_hz;
+    view.damping = bow.resonance->damping;
+  }
+  view.swing = bow.swing;
+  view.swing_before = bow.swing_before;
+  return view;
 }
 
 axis::Tuned tuned_view(const TunedAxis& tuned, const GatewayAxis& axis) {
@@ -40,6 +53,7 @@ axis::Tuned tuned_view(const TunedAxis& tuned, const GatewayAxis& axis) {
   view.lost_steps = found.lost_steps;
   view.warnings = found.warnings;
   if (found.hold_current) view.hold_current = tuned_view(*found.hold_current);
+  if (found.bow) view.bow = tuned_view(*found.bow);
   for (const auto& trial : found.trials) view.trials.push_back(tuned_view(trial));
   for (const auto& setting : found.settings) {
     const auto* row = find_parameter(axis.parameters(), setting.parameter);

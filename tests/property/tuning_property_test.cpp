@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "support/random.hpp"
 #include "support/rounds.hpp"
@@ -12,6 +13,8 @@
 #include "support/verified_module.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/motor_torque.hpp"
+#include "tmcl/plan/ramp_comparison.hpp"
+#include "tmcl/plan/ramp_wish.hpp"
 
 namespace tmcl {
 namespace {
@@ -22,6 +25,7 @@ namespace ap = axis_parameter;
 constexpr double full_step = 256;
 constexpr std::int32_t greatest_current = 255;
 constexpr std::string_view usual_model = "TMCM-1276";
+constexpr std::string_view bowed_model = "TMCM-142";
 constexpr double scales = 32;
 /// What is found may be so far below what the load bears: 2 % of the search and 8 % of the model,
 /// which looks at torque every millisecond.
@@ -51,6 +55,18 @@ struct Truth {
   double short_of_torque(double speed, double at) const {
     const auto borne = std::min(greatest_speed(at), speed);
     return (speed * speed - borne * borne) / (2 * at);
+  }
+  /// The same of a ramp whose acceleration rises and falls by so much a second.
+  double short_of_torque(double speed, double at, double jerk) const {
+    constexpr int pieces = 10'000;
+    double way = 0;
+    for (int i = 0; i < pieces; ++i) {
+      const double now = speed * (i + 0.5) / pieces;
+      const auto rising = std::sqrt(2 * jerk * std::min(now, speed - now));
+      const auto acceleration = std::min(at, rising);
+      if (!bears(now, acceleration)) way += now * speed / pieces / acceleration;
+    }
+    return way;
   }
   double greatest_acceleration(double speed) const {
     return (torque.there(speed) - torque.asked(speed, 0)) * 1e6 / torque.inertia;
@@ -206,6 +222,7 @@ struct Tally {
   int all = 0;
   int far_velocities = 0;
   int far_accelerations = 0;
+  int other_bows = 0;
 };
 
 void tune_load_of(std::uint64_t seed, Tally& tally) {
@@ -253,6 +270,79 @@ TEST(TuningProperty, FindsNearlyWhatTheLoadBearsAndNoMore) {
   // One in 20, and one more by chance where few are tried.
   EXPECT_LE(tally.far_velocities, tally.all / 20 + 1);
   EXPECT_LE(tally.far_accelerations, tally.all / 20 + 1);
+}
+
+// ---- A load that swings, on a module with bows -------------------------------------------------
+
+/// When a load stands after a move to speed and back, in seconds; the longest of some moves.
+double settled_s(const Tuning& found, std::int32_t bow, double way,
+                 const ramp::Resonance& resonance) {
+  const auto& model = *find_model(bowed_model);
+  const AxisUnits units{"", &model, initial_units(model)};
+  plan::RampWish wish{{found.velocity.proposed, "pps"}, {found.acceleration.proposed, "pps/s"}};
+  wish.jerk = plan::JerkWish{.quantity = {}, .bow = bow, .highest = false};
+  const auto ramp = plan::plan_ramp(wish, units, 0);
+  EXPECT_TRUE(ramp);
+  double longest = 0;
+  for (const double part : {0.0, 0.3, 0.7}) {
+    const auto velocity = ramp->choice.velocity.value;
+    const double distance = way + part * velocity / resonance.frequency_hz;
+    const auto verdict = plan::judge_variant(model, ramp->choice.settings, {},
+                                             Microsteps{static_cast<std::int32_t>(distance)},
+                                             plan::LoadWish{resonance, full_step / 10});
+    longest = std::max(longest, verdict->settled_s.value_or(1e9) - (distance - way) / velocity);
+  }
+  return longest;
+}
+
+/// What it swings by is within what trials take for lost steps.
+Load swinging_load(std::uint64_t seed) {
+  Loads random(seed);
+  auto load = random.any();
+  const auto steepest = load.truth.greatest_acceleration(0);
+  const auto least_hz = std::sqrt(2 * steepest / 1.5) / (2 * std::numbers::pi);
+  load.stage.resonance = ramp::Resonance{std::min(70.0, least_hz * random.between(100, 200) / 100),
+                                         random.between(10, 100) / 1000.0};
+  load.stage.backlash = 0;
+  return load;
+}
+
+void tune_swinging_load_of(std::uint64_t seed, Tally& tally) {
+  const auto load = swinging_load(seed);
+  const auto& resonance = *load.stage.resonance;
+  SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed) + ": " + load.text() + ", resonance " +
+               std::to_string(resonance.frequency_hz) + ", damping " +
+               std::to_string(resonance.damping));
+  Tuned tuned(load, seed, bowed_model);
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  const auto velocity = found->velocity.proposed / full_step;
+  const auto acceleration = found->acceleration.proposed / full_step;
+  ASSERT_TRUE(found->bow);
+  const auto& bow = *found->bow;
+  const auto jerk = to_pps3(bow.value).value / full_step;
+  EXPECT_LT(load.truth.short_of_torque(velocity, acceleration, jerk), full_steps_unseen);
+  EXPECT_GE(bow.value, 1);
+  EXPECT_LE(bow.value, 11) << "no steeper than what was tried";
+  EXPECT_LE(bow.swing, bow.swing_before);
+  ++tally.all;
+  if (bow.value != 11) {
+    ++tally.other_bows;
+    const double way = 2 * found->velocity.proposed;
+    const auto settled = settled_s(*found, bow.value, way, resonance);
+    EXPECT_LE(settled, 1.02 * settled_s(*found, 11, way, resonance));
+    EXPECT_NEAR(bow.resonance->frequency_hz, resonance.frequency_hz, 0.05 * resonance.frequency_hz);
+  }
+  tuned.expect_left_as_it_was();
+}
+
+TEST(TuningProperty, FindsABowWithWhichALoadStandsSooner) {
+  Tally tally;
+  const auto first = test::seed();
+  const auto rounds = static_cast<std::uint64_t>(test::rounds(5));
+  for (auto seed = first; seed < first + rounds && !testing::Test::HasFatalFailure(); ++seed)
+    tune_swinging_load_of(seed, tally);
+  EXPECT_GE(tally.other_bows, tally.all / 5);
 }
 
 // On its way up it lost a part of a step, which it got back on its way down.

@@ -22,7 +22,8 @@ object trial_of(const char* sought, double velocity, bool held) {
           {"deviation", 12.5},
           {"load_value", nullptr},
           {"threshold", nullptr},
-          {"trouble", held ? "" : "lost"}};
+          {"trouble", held ? "" : "lost"},
+          {"swing", nullptr}};
 }
 
 struct CtlTune : testing::Test, Ctl {
@@ -44,6 +45,12 @@ struct CtlTune : testing::Test, Ctl {
              object{{"parameter", 4}, {"name", "max_velocity"}, {"value", 9}, {"before", 5}},
              object{{"parameter", 5}, {"name", "max_acceleration"}, {"value", 8}, {"before", 8}}}},
         {"hold_current", {{"limit", 64}, {"proposed", 77}, {"limited_by", "motor"}}},
+        {"bow",
+         {{"value", 4},
+          {"resonance_hz", 12.25},
+          {"damping", 0.05},
+          {"swing", 3.5},
+          {"swing_before", 130}}},
         {"warnings", array{"search the reference again"}}};
   }
   const std::vector<std::string> words{"tune",     "x",         "--max-current", "200",
@@ -58,6 +65,8 @@ TEST_F(CtlTune, SaysWhatWasFoundDrawsTheTrialsAndSaysWhatToTypeNext) {
   EXPECT_THAT(out, HasSubstr("beyond that it lost steps"));
   EXPECT_THAT(out, HasSubstr("no more was tried"));
   EXPECT_THAT(out, HasSubstr("below that it slid at rest"));
+  EXPECT_THAT(out,
+              HasSubstr("the load swings at 12.25 Hz, at rest by 3.5 microsteps, before by 130"));
   EXPECT_THAT(out, HasSubstr("velocity     |o "));
   EXPECT_THAT(out, HasSubstr(" x| 50000 to 200000\n"));
   EXPECT_THAT(out, HasSubstr("3 trials, 2 of them held (o); backlash 33.5 microsteps\n"));

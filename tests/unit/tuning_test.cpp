@@ -173,6 +173,46 @@ TEST(Tuning, LeavesTheStandbyCurrentWhereNothingMovesTheAxis) {
   for (const auto& setting : found->settings) EXPECT_NE(setting.parameter, 7);
 }
 
+// Its swing takes 1/8 s, and the ramps that it is given 0.2 s.
+TEST(Tuning, ProposesABowWithWhichALoadThatSwingsStandsSooner) {
+  sim::StageSettings stage;
+  stage.encoder = sim::EncoderSettings{10'000};
+  stage.resonance = ramp::Resonance{8, 0.03};
+  TunedModule tuned(stage, "TMCM-142", 2);
+  tuned.options.max_current = 15;
+  tuned.options.greatest_velocity = PulsesPerSecond{400.0 * full_step};
+  tuned.options.greatest_acceleration = PulsesPerSecond2{2000.0 * full_step};
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->bow);
+  ASSERT_TRUE(found->bow->resonance);
+  EXPECT_NEAR(found->bow->resonance->frequency_hz, 8, 0.2);
+  EXPECT_NEAR(found->bow->resonance->damping, 0.03, 0.01);
+  EXPECT_LT(found->bow->value, 6);
+  EXPECT_LT(found->bow->swing, 0.3 * found->bow->swing_before);
+  const plan::Setting proposed{number_of("max_bow"), found->bow->value};
+  EXPECT_THAT(found->settings, testing::Contains(proposed));
+  tuned.expect_left_as_it_was();
+}
+
+TEST(Tuning, LeavesTheBowWhereNoLoadSwings) {
+  TunedModule tuned({.encoder = sim::EncoderSettings{10'000}}, "TMCM-142", 2);
+  tuned.options.max_current = 15;
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->bow);
+  EXPECT_FALSE(found->bow->resonance);
+  EXPECT_EQ(found->bow->value, 11);
+  for (const auto& setting : found->settings) EXPECT_NE(setting.parameter, number_of("max_bow"));
+}
+
+TEST(Tuning, FindsNoBowWhereTheModuleHasNone) {
+  TunedModule tuned(some_load());
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_FALSE(found->bow);
+}
+
 TEST(Tuning, NeedsAnEncoderThatFollows) {
   TunedModule none(some_load(), "TMCM-6110");
   EXPECT_EQ(none.error().code, Errc::bad_argument);

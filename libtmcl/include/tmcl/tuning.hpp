@@ -1,6 +1,6 @@
 /// The greatest velocity and acceleration that an axis bears, found by moves whose steps its
-/// encoder counts; then the least current for them, a stallGuard2 threshold, and the least standby
-/// current with which nothing moves it.
+/// encoder counts; then the least current for them, a stallGuard2 threshold, the least standby
+/// current with which nothing moves it, and the bow with which a load that swings stands first.
 ///
 /// Each trial is a move there and back within the travel, and is ended at the first sign of
 /// trouble: the encoder is not where the motor should be, or the motor does not arrive. Then the
@@ -20,12 +20,21 @@
 #include "tmcl/mechanics.hpp"
 #include "tmcl/plan/axis_twin.hpp"
 #include "tmcl/quantity.hpp"
+#include "tmcl/ramp/resonant_load.hpp"
 #include "tmcl/script.hpp"
 
 namespace tmcl {
 
 /// What a trial is for.
-enum class Sought : std::uint8_t { velocity, acceleration, current, threshold, confirmation, hold };
+enum class Sought : std::uint8_t {
+  velocity,
+  acceleration,
+  current,
+  threshold,
+  confirmation,
+  hold,
+  bow
+};
 std::string_view name_of(Sought sought);
 
 /// A move there and back; for the standby current, the rest after each of them.
@@ -39,6 +48,8 @@ struct TuneTrial {
   std::optional<std::int32_t> load_value{};  ///< The least at full speed; nothing: not looked at.
   std::optional<std::int32_t> threshold{};   ///< With which that was.
   std::string trouble{};                     ///< Why it did not hold.
+  /// Of its load when it stood, to either side, in microsteps; nothing: not looked at.
+  std::optional<double> swing{};
 };
 
 /// Why a search went no further.
@@ -49,6 +60,15 @@ struct TunedValue {
   double limit = 0;     ///< The greatest that held; of the current the least.
   double proposed = 0;  ///< With the margin.
   LimitedBy limited_by = LimitedBy::motor;
+};
+
+/// Of a TMC457: with it the load stands first after a move at the proposed velocity and
+/// acceleration.
+struct TunedBow {
+  std::int32_t value = 0;  ///< What is proposed; what the axis has where no other is better.
+  std::optional<ramp::Resonance> resonance{};  ///< Nothing: none was found.
+  double swing = 0;                            ///< With it, at rest, to either side, in microsteps.
+  double swing_before = 0;                     ///< With what the axis has.
 };
 
 struct Tuning {
@@ -65,6 +85,7 @@ struct Tuning {
   /// Of parameter 7. Where the axis stood with all less as well (LimitedBy::bounds), what it has is
   /// proposed. Nothing: the axis stood with none.
   std::optional<TunedValue> hold_current{};
+  std::optional<TunedBow> bow{};  ///< Nothing for a module without.
 };
 
 struct TuneOptions {

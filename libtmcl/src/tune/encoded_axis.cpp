@@ -40,6 +40,11 @@ constexpr double full_steps_alike = 0.1;
 constexpr Duration between_readings = 10ms;
 constexpr Duration longest_unrest = 3s;
 
+/// What swings at 1 to 80 Hz is in these readings; more would take longer to be looked through than
+/// anything else may wait.
+constexpr Duration listening = 1s;
+constexpr std::size_t most_listened = 200;
+
 }  // namespace
 
 // ---- what it counts ---------------------------------------------------------------------------
@@ -167,6 +172,20 @@ Script<Result<void>> EncodedAxis::look_at_load(Passage& passage, std::int32_t fr
   co_return Result<void>{};
 }
 
+Script<Result<std::vector<ReadingAt>>> EncodedAxis::listen() {
+  RestReadings wanted;
+  wanted.parameter = encoder_;
+  wanted.span = listening;
+  wanted.most = most_listened;
+  return read_at_rest(axis_, wanted);
+}
+
+double EncodedAxis::swing_of(const std::vector<ReadingAt>& readings) const {
+  if (readings.empty()) return 0;
+  const auto [least, most] = std::ranges::minmax(readings, {}, &ReadingAt::value);
+  return (static_cast<double>(most.value) - least.value) / 2 / std::abs(ratio_);
+}
+
 Script<Result<Passage>> EncodedAxis::pass_to(std::int32_t target, Lookout lookout) {
   Passage passage;
   const auto begin = co_await current_time();
@@ -194,6 +213,7 @@ Script<Result<Passage>> EncodedAxis::pass_to(std::int32_t target, Lookout lookou
     co_await must(watched_->stop());
     co_return passage;
   }
+  if (lookout.listens) passage.at_rest = co_await must(listen());
   const auto counted = co_await must(quiet());
   const auto off = off_at_rest(place_of(counted), first, target);
   passage.deviation = std::max(passage.deviation, off);

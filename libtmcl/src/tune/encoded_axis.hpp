@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tmcl/mechanics.hpp"
+#include "tmcl/readings_at_rest.hpp"
 #include "verify/watched_axis.hpp"
 
 namespace tmcl::verbs {
@@ -14,8 +16,9 @@ namespace tmcl::verbs {
 struct Passage {
   double deviation = 0;  ///< The greatest, in microsteps.
   std::optional<std::int32_t> load_value{};
-  bool drifted = false;   ///< It held, but a part of a step is missing.
-  std::string trouble{};  ///< Empty: it held, and the axis stands where it was sent.
+  bool drifted = false;              ///< It held, but a part of a step is missing.
+  std::vector<ReadingAt> at_rest{};  ///< Of the encoder, if it was to be listened to.
+  std::string trouble{};             ///< Empty: it held, and the axis stands where it was sent.
 
   bool held() const { return trouble.empty(); }
 };
@@ -25,6 +28,7 @@ struct Lookout {
   Duration limit{};  ///< It has arrived by then.
   /// At this speed the load value is read, in the module's unit; nothing: it is not.
   std::optional<std::int32_t> load_value_from{};
+  bool listens = false;  ///< To how its load swings when the motor stands.
 };
 
 class EncodedAxis {
@@ -40,6 +44,8 @@ class EncodedAxis {
   /// Sets that at an axis that stands, and looks at it for so long, or until it has moved. Gives
   /// back how far, in microsteps.
   Script<Result<double>> slides_with(plan::Setting setting, Duration span);
+  /// To either side, in microsteps.
+  double swing_of(const std::vector<ReadingAt>& readings) const;
   /// What stands off by less is not seen.
   double tolerance_at_rest() const;
   /// After trouble: sets its position as the encoder has it. `up`: where it was going; it stands
@@ -59,6 +65,7 @@ class EncodedAxis {
   Script<Result<std::int32_t>> quiet();
   Script<Result<std::int32_t>> counted_at(std::int32_t target, Duration limit);
   Script<Result<Sight>> look();
+  Script<Result<std::vector<ReadingAt>>> listen();
   Script<Result<void>> look_at_load(Passage& passage, std::int32_t from);
   /// Where the encoder says that the motor is, if it was going up last; the other way it is further
   /// down by the backlash.

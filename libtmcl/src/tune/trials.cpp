@@ -46,6 +46,9 @@ std::optional<plan::PlannedRamp> Tuner::ramp_for(Sought sought, double value) co
   switch (sought) {
     case Sought::velocity: return ramp_of(value, base_acceleration_);
     case Sought::acceleration: return ramp_of(found_.velocity.proposed, value);
+    case Sought::confirmation:
+      if (found_.bow) return bowed_ramp(found_.bow->value, options_.units);
+      [[fallthrough]];
     default: return ramp_of(found_.velocity.proposed, found_.acceleration.proposed);
   }
 }
@@ -65,8 +68,12 @@ Duration Tuner::limit_of(const plan::PlannedRamp& ramp, std::int32_t way) const 
   return trial_grace + duration_of(2 * ramp.ramp_up().seconds + way / ramp.choice.velocity.value);
 }
 
+// A ramp that says nothing of a bow has the one that the axis has had.
 Script<Result<void>> Tuner::set_ramp(const plan::PlannedRamp& ramp) {
-  const auto settings = plan::in_safe_order(ramp.choice.settings, present(plan::pulse_divisor));
+  auto settings = plan::in_safe_order(ramp.choice.settings, present(plan::pulse_divisor));
+  const bool has_bow = std::ranges::count(settings, tuned::max_bow, &plan::Setting::parameter) != 0;
+  if (row_of("max_bow") != nullptr && !has_bow)
+    settings.push_back({tuned::max_bow, present(tuned::max_bow)});
   for (const auto& setting : settings) co_await must(watched_.set(setting));
   co_return Result<void>{};
 }
@@ -107,7 +114,7 @@ Script<Result<void>> Tuner::recover(bool up, Duration limit) {
 
 Script<Result<void>> Tuner::there_and_back(TuneTrial& trial, const plan::PlannedRamp& ramp,
                                            std::int32_t way) {
-  Lookout lookout{limit_of(ramp, way), std::nullopt};
+  Lookout lookout{limit_of(ramp, way), std::nullopt, trial.sought == Sought::bow};
   if (trial.threshold) {
     const auto& settings = ramp.choice.settings;
     const auto top = std::ranges::find(settings, ap::max_velocity, &plan::Setting::parameter);
@@ -115,11 +122,14 @@ Script<Result<void>> Tuner::there_and_back(TuneTrial& trial, const plan::Planned
   }
   const std::int32_t targets[] = {range_.least + way, range_.least};
   for (const auto target : targets) {
-    const auto passage = co_await must(encoded_->pass_to(target, lookout));
+    auto passage = co_await must(encoded_->pass_to(target, lookout));
     trial.deviation = std::max(trial.deviation, passage.deviation);
     if (passage.load_value)
       trial.load_value =
           std::min(trial.load_value.value_or(*passage.load_value), *passage.load_value);
+    if (lookout.listens)
+      trial.swing = std::max(trial.swing.value_or(0), encoded_->swing_of(passage.at_rest));
+    at_rest_ = std::move(passage.at_rest);
     trial.trouble = passage.trouble;
     const bool is_back = target == range_.least;
     if (passage.held() && passage.drifted && is_back) {

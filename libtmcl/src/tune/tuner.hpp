@@ -7,6 +7,7 @@
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/limit_search.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
+#include "tmcl/plan/ring_down.hpp"
 #include "tmcl/tuning.hpp"
 #include "tune/encoded_axis.hpp"
 
@@ -37,6 +38,8 @@ class Tuner {
   Script<Result<void>> find_acceleration();
   Script<Result<void>> find_current();
   Script<Result<void>> find_threshold();
+  Script<Result<void>> find_bow();
+  Script<Result<std::optional<double>>> swing_with(std::int32_t bow);
   Script<Result<void>> find_hold_current();
   Script<Result<std::optional<std::int32_t>>> least_hold_current();
   Script<Result<bool>> stands_with(std::int32_t current);
@@ -61,6 +64,13 @@ class Tuner {
   /// Nothing for what the module does not have.
   std::optional<plan::PlannedRamp> ramp_of(double velocity, double acceleration) const;
   std::optional<plan::PlannedRamp> ramp_for(Sought sought, double value) const;
+  /// At the proposed velocity and acceleration.
+  std::optional<plan::PlannedRamp> bowed_ramp(std::int32_t bow, const AxisUnits& units) const;
+  std::vector<std::int32_t> gentler_bows() const;
+  std::int32_t first_settled_bow(const ramp::Resonance& resonance) const;
+  std::optional<double> settled_s(std::int32_t bow, double way,
+                                  const ramp::Resonance& resonance) const;
+  plan::RingDown ring_down_seen() const;
   std::int32_t current_for(Sought sought, double value) const;
   /// Both ramps, and some time at full speed.
   std::int32_t way_of(const plan::PlannedRamp& ramp) const;
@@ -76,6 +86,7 @@ class Tuner {
   WatchedAxis watched_;
   std::optional<EncodedAxis> encoded_;
   Tuning found_;
+  std::vector<ReadingAt> at_rest_;  ///< After the last move that was listened to.
   ValueRange range_{};
   double full_step_ = 256;  ///< In microsteps.
   plan::PlannedRamp slow_{};

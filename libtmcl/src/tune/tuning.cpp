@@ -247,6 +247,7 @@ Script<Result<void>> Tuner::course() {
   co_await must(find_current());
   co_await must(find_threshold());
   co_await must(find_hold_current());
+  co_await must(find_bow());
   co_await must(confirm());
   co_await must(go_slowly_to(watched_.home().value));
   propose();
@@ -279,6 +280,7 @@ std::string_view name_of(Sought sought) {
     case Sought::threshold: return "threshold";
     case Sought::confirmation: return "confirmation";
     case Sought::hold: return "hold";
+    case Sought::bow: return "bow";
   }
   return {};
 }

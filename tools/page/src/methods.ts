@@ -1881,7 +1881,7 @@ export interface Methods {
       lost_steps: boolean;
       /** all that were made, in their order */
       trials: {
-        /** velocity, acceleration, current, threshold, confirmation, or hold */
+        /** velocity, acceleration, current, threshold, confirmation, hold, or bow */
         sought: string;
         /** in microsteps per second */
         velocity_pps: number;
@@ -1899,6 +1899,8 @@ export interface Methods {
         threshold: number | null;
         /** why it did not hold; empty if it did */
         trouble: string;
+        /** of the load at rest, to either side, in microsteps, where it was looked at */
+        swing: number | null;
       }[];
       /** what is proposed, in the order to set it */
       settings: {
@@ -1923,6 +1925,19 @@ export interface Methods {
         proposed: number;
         /** motor: a trial beyond it failed; travel: that is too short for more; bounds: those of the axis and of its module */
         limited_by: string;
+      } | null;
+      /** with which the load stands first; null where the module has none */
+      bow: {
+        /** what is proposed; what the axis has where no other is better */
+        value: number;
+        /** of the load; null where none was found */
+        resonance_hz: number | null;
+        /** 0 to less than 1 */
+        damping: number | null;
+        /** with it, at rest, to either side, in microsteps */
+        swing: number;
+        /** with the bow that the axis has */
+        swing_before: number;
       } | null;
     };
   };

@@ -1288,7 +1288,7 @@ class AxisTuneVelocity(Record):
 
 @dataclass(frozen=True)
 class AxisTuneTrials(Record):
-    #: velocity, acceleration, current, threshold, confirmation, or hold
+    #: velocity, acceleration, current, threshold, confirmation, hold, or bow
     sought: str = ""
     #: in microsteps per second
     velocity_pps: float = 0.0
@@ -1306,6 +1306,8 @@ class AxisTuneTrials(Record):
     threshold: int | None = None
     #: why it did not hold; empty if it did
     trouble: str = ""
+    #: of the load at rest, to either side, in microsteps, where it was looked at
+    swing: float | None = None
 
 
 @dataclass(frozen=True)
@@ -1318,6 +1320,20 @@ class AxisTuneSettings(Record):
     value: int = 0
     #: what the axis has
     before: int = 0
+
+
+@dataclass(frozen=True)
+class AxisTuneBow(Record):
+    #: what is proposed; what the axis has where no other is better
+    value: int = 0
+    #: of the load; null where none was found
+    resonance_hz: float | None = None
+    #: 0 to less than 1
+    damping: float | None = None
+    #: with it, at rest, to either side, in microsteps
+    swing: float = 0.0
+    #: with the bow that the axis has
+    swing_before: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -1350,7 +1366,9 @@ class AxisTune(Record):
     #: of parameter 7, with which the axis stands; bounds: nothing moved it with less either,
     #: and what it has is proposed; null where the module has none, or none was enough
     hold_current: AxisTuneVelocity | None = None
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"velocity": AxisTuneVelocity, "acceleration": AxisTuneVelocity, "current": AxisTuneVelocity, "trials": AxisTuneTrials, "settings": AxisTuneSettings, "hold_current": AxisTuneVelocity}
+    #: with which the load stands first; null where the module has none
+    bow: AxisTuneBow | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"velocity": AxisTuneVelocity, "acceleration": AxisTuneVelocity, "current": AxisTuneVelocity, "trials": AxisTuneTrials, "settings": AxisTuneSettings, "hold_current": AxisTuneVelocity, "bow": AxisTuneBow}
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,13 @@ std::string why_no_more(const TunedValue& value) {
   return "beyond that it lost steps";
 }
 
+std::string why_this_bow(const api::axis::TunedBow& bow) {
+  if (!bow.resonance_hz) return "no swing was found: as it was";
+  return fmt::format("the load swings at {} Hz, at rest by {} microsteps, before by {}",
+                     tmcl::plain_number(*bow.resonance_hz, 4), tmcl::plain_number(bow.swing, 3),
+                     tmcl::plain_number(bow.swing_before, 3));
+}
+
 /// What to type to have it.
 std::vector<std::string> next_words(const verb::Tune& verb, const Tuned& tuned) {
   std::vector<std::string> lines;
@@ -101,6 +108,8 @@ void print(const verb::Tune& verb, const Tuned& tuned, Output& output) {
   }
   if (tuned.threshold)
     table.add({"threshold", "", std::to_string(*tuned.threshold), "the load value keeps off 0"});
+  if (tuned.bow)
+    table.add({"bow", "", std::to_string(tuned.bow->value), why_this_bow(*tuned.bow)});
   table.print(output);
   output.out << picture(tuned);
   const auto held = std::ranges::count(tuned.trials, true, &TuneTrial::held);
@@ -161,9 +170,9 @@ constexpr const char* tune_help = R"(
 Finds what the axis bears, by moves there and back within its travel, whose steps its encoder counts:
 the greatest velocity with the acceleration that the axis has, then the greatest acceleration at the
 velocity that is proposed, then the least current for both, where the module has stallGuard2 the least
-threshold with which its load value keeps off 0, and the least standby current with which the axis stands.
-Proposed is less than the limit by --margin, of currents more. In the end all of it is made twice on all
-of the travel.
+threshold with which its load value keeps off 0, the least standby current with which the axis stands, and
+on a TMC457 the bow with which a load that swings stands first. Proposed is less than the limit by
+--margin, of currents more. In the end all of it is made twice on all of the travel.
 
 An axis without an encoder is refused: nothing else would tell. A trial ends at the first sign of
 trouble: the encoder is four full steps from where it should be, or half a full step when the axis
@@ -176,8 +185,8 @@ the standby current is too small. With soft limits it must have searched its ref
 meanwhile. It ends where it began with the settings that it had, unless --store says to keep what is
 proposed; a stop, or Ctrl-C, ends it, and it gets its settings back. --max-current is never exceeded.
 
-Not found: a bow ('tmclctl resonance' measures the load for 'tmclctl ramp --compare'), and what changes
-with temperature, wear, and supply. docs/TUNING.md says more.
+Not found: the bows of other modules ('tmclctl resonance' measures the load for 'tmclctl ramp --compare'),
+and what changes with temperature, wear, and supply. docs/TUNING.md says more.
 
   tmclctl tune x --max-current 200 --travel -50mm..50mm
   tmclctl tune x --max-current 200 --margin 50 --store --yes

@@ -24,7 +24,7 @@ struct TunedValue {
 struct TuneTrial {
   TMCL_STRUCT(TuneTrial);
   TMCL_FIELD(std::string, sought,
-             "velocity, acceleration, current, threshold, confirmation, or hold");
+             "velocity, acceleration, current, threshold, confirmation, hold, or bow");
   TMCL_FIELD(double, velocity_pps, "in microsteps per second");
   TMCL_FIELD(double, acceleration_pps2, "per second squared");
   TMCL_FIELD(std::int32_t, current, "of parameter 6; for hold, of parameter 7");
@@ -33,6 +33,16 @@ struct TuneTrial {
   TMCL_FIELD(std::optional<std::int32_t>, load_value, "the least at full speed, where it was read");
   TMCL_FIELD(std::optional<std::int32_t>, threshold, "of stallGuard2, with which that was");
   TMCL_FIELD(std::string, trouble, "why it did not hold; empty if it did");
+  TMCL_FIELD(std::optional<double>, swing,
+             "of the load at rest, to either side, in microsteps, where it was looked at");
+};
+struct TunedBow {
+  TMCL_STRUCT(TunedBow);
+  TMCL_FIELD(std::int32_t, value, "what is proposed; what the axis has where no other is better");
+  TMCL_FIELD(std::optional<double>, resonance_hz, "of the load; null where none was found");
+  TMCL_FIELD(std::optional<double>, damping, "0 to less than 1");
+  TMCL_FIELD(double, swing, "with it, at rest, to either side, in microsteps");
+  TMCL_FIELD(double, swing_before, "with the bow that the axis has");
 };
 struct Tuned {
   TMCL_STRUCT(Tuned);
@@ -55,6 +65,8 @@ struct Tuned {
       std::optional<TunedValue>, hold_current,
       "of parameter 7, with which the axis stands; bounds: nothing moved it with less either, "
       "and what it has is proposed; null where the module has none, or none was enough");
+  TMCL_FIELD(std::optional<TunedBow>, bow,
+             "with which the load stands first; null where the module has none");
 };
 struct Tune {
   TMCL_METHOD("axis.tune", moves, Tuned,
