@@ -82,6 +82,16 @@ Task<api::Nothing> keep_tuned(GatewayAxis& axis, const std::vector<axis::TunedSe
   co_return api::Nothing{};
 }
 
+Task<std::optional<tmcl::LimitSwitch>> switch_of(const axis::Tune& params) {
+  using tmcl::LimitSwitch;
+  std::optional<LimitSwitch> by_switch;
+  if (!params.by_switch) co_return by_switch;
+  if (*params.by_switch == "left") by_switch = LimitSwitch::left;
+  if (*params.by_switch == "right") by_switch = LimitSwitch::right;
+  if (by_switch) co_return by_switch;
+  co_return param_error<&axis::Tune::by_switch>("bad_argument", "'by_switch' is left or right");
+}
+
 }  // namespace
 
 Answer<axis::Tune> tune(Call& call, const axis::Tune& params) {
@@ -95,7 +105,9 @@ Answer<axis::Tune> tune(Call& call, const axis::Tune& params) {
   const auto margin = params.margin.value_or(usual_tune_margin);
   if (!(margin >= 0 && margin <= greatest_tune_margin))
     co_return param_error<&axis::Tune::margin>("out_of_range", "'margin' is 0 to 10");
+  const auto by_switch = co_await must(switch_of(params));
   TuningRequest request;
+  request.by_switch = by_switch;
   request.max_current = params.max_current;
   request.travel = travel;
   request.margin = margin;

@@ -88,9 +88,10 @@ struct Load {
            std::to_string(stage.load_per_velocity) + ", pull " + std::to_string(stage.pull) +
            ", standby " + std::to_string(standby_current) + ", inertia " +
            std::to_string(stage.inertia) + ", corner " + std::to_string(*stage.corner_speed) +
-           ", encoder " + std::to_string(stage.encoder->counts_per_turn) + ", backlash " +
-           std::to_string(stage.backlash) + ", noise " + std::to_string(stage.load_value_noise) +
-           ", pull in " + std::to_string(stage.pull_in_speed.value_or(-1)) + ", acceleration " +
+           ", encoder " + std::to_string(stage.encoder ? stage.encoder->counts_per_turn : 0) +
+           ", backlash " + std::to_string(stage.backlash) + ", noise " +
+           std::to_string(stage.load_value_noise) + ", pull in " +
+           std::to_string(stage.pull_in_speed.value_or(-1)) + ", acceleration " +
            std::to_string(truth.acceleration);
   }
 };
@@ -159,9 +160,12 @@ class Tuned {
       options.settings.push_back({parameter, module_.get(parameter)});
     options.max_current = greatest(number_of("max_current"));
     options.travel = load_.travel;
+    options.by_switch = by_switch;
     before_ = options.settings;
     return module_.run(verbs::tune({ModuleAddress{1}, 0}, options));
   }
+  std::optional<LimitSwitch> by_switch;
+
   void expect_left_as_it_was() {
     for (const auto& [parameter, value] : before_)
       EXPECT_EQ(module_.get(parameter), value) << int{parameter};
@@ -343,6 +347,52 @@ TEST(TuningProperty, FindsABowWithWhichALoadStandsSooner) {
   for (auto seed = first; seed < first + rounds && !testing::Test::HasFatalFailure(); ++seed)
     tune_swinging_load_of(seed, tally);
   EXPECT_GE(tally.other_bows, tally.all / 5);
+}
+
+// ---- By a limit switch -------------------------------------------------------------------------
+
+void tune_by_switch(std::uint64_t seed, Tally& tally) {
+  Loads random(seed);
+  auto load = random.any();
+  auto& stage = load.stage;
+  const bool is_left = random.one_in(2);
+  stage.encoder.reset();
+  // What hangs would fall unseen.
+  stage.pull = 0;
+  load.truth.torque.load = stage.load;
+  constexpr auto beyond = static_cast<std::int32_t>(40 * full_step);
+  if (is_left) {
+    stage.left_switch = load.travel.least;
+    load.travel.least -= beyond;
+  } else {
+    stage.right_switch = load.travel.greatest;
+    load.travel.greatest += beyond;
+  }
+  SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed) + ": " + load.text());
+  Tuned tuned(load, seed);
+  tuned.by_switch = is_left ? LimitSwitch::left : LimitSwitch::right;
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  ++tally.all;
+  const auto speed = load.truth.greatest_speed();
+  const auto velocity = found->velocity.limit / full_step;
+  EXPECT_LT(velocity, 1.05 * speed);
+  tally.far_velocities += velocity < (1 - near) * speed || velocity > (1 + near) * speed ? 1 : 0;
+  const auto proposed = found->velocity.proposed / full_step;
+  const auto at = found->acceleration.proposed / full_step;
+  EXPECT_LT(load.truth.short_of_torque(proposed, at), full_steps_unseen) << proposed << ' ' << at;
+  const auto least = std::max(least_current(load.truth, proposed, at), greatest_current / 4.0);
+  EXPECT_GE(found->current.proposed, least - 8);
+  tuned.expect_left_as_it_was();
+}
+
+TEST(TuningProperty, FindsNearlyWhatTheLoadBearsByASwitch) {
+  Tally tally;
+  const auto first = test::seed();
+  const auto rounds = static_cast<std::uint64_t>(test::rounds(5));
+  for (auto seed = first; seed < first + rounds && !testing::Test::HasFatalFailure(); ++seed)
+    tune_by_switch(seed, tally);
+  EXPECT_LE(tally.far_velocities, tally.all / 20 + 1);
 }
 
 // On its way up it lost a part of a step, which it got back on its way down.

@@ -84,6 +84,13 @@ TEST_F(CtlTune, HandsOnWhatIsSaid) {
   EXPECT_THAT(out, testing::EndsWith("this is set and stored\n"));
 }
 
+TEST_F(CtlTune, HandsOnTheSwitchThatTells) {
+  EXPECT_EQ(run({"tune", "x", "--max-current", "90", "--switch", "left", "--yes"}), ExitCode::done)
+      << err;
+  EXPECT_THAT(target.calls,
+              ElementsAre(R"(axis.tune {"axis":"x","max_current":90,"by_switch":"left"})"));
+}
+
 TEST_F(CtlTune, MovesNothingThatWasNotAllowed) {
   EXPECT_EQ(run({"tune", "x", "--max-current", "200"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--yes says that it may"));

@@ -228,6 +228,98 @@ TEST(Tuning, NeedsAnEncoderThatFollows) {
   held.expect_left_as_it_was();
 }
 
+// ---- By a limit switch -------------------------------------------------------------------------
+
+sim::StageSettings load_with_switch(bool is_left) {
+  auto stage = some_load();
+  stage.encoder.reset();
+  (is_left ? stage.left_switch : stage.right_switch) = (is_left ? -900 : 900) * full_step;
+  return stage;
+}
+
+TEST(Tuning, SeesLostStepsByALimitSwitchWhereThereIsNoEncoder) {
+  TunedModule by_encoder(some_load());
+  const auto expected = by_encoder.tune();
+  ASSERT_TRUE(expected);
+  for (const bool is_left : {true, false}) {
+    SCOPED_TRACE(is_left);
+    TunedModule tuned(load_with_switch(is_left));
+    tuned.options.by_switch = is_left ? LimitSwitch::left : LimitSwitch::right;
+    const auto found = tuned.tune();
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_EQ(found->velocity.limited_by, LimitedBy::motor);
+    EXPECT_NEAR(found->velocity.limit, expected->velocity.limit, 0.1 * expected->velocity.limit);
+    EXPECT_NEAR(found->acceleration.limit, expected->acceleration.limit,
+                0.1 * expected->acceleration.limit);
+    EXPECT_NEAR(found->current.limit, expected->current.limit, 8);
+    EXPECT_TRUE(found->threshold);
+    EXPECT_TRUE(found->lost_steps);
+    EXPECT_FALSE(found->hold_current);
+    tuned.expect_left_as_it_was();
+    EXPECT_NEAR(static_cast<double>(tuned.place()), 0, full_step);
+  }
+}
+
+TEST(Tuning, ByASwitchStaysWithinTheTravelOnTheOtherSideAndPassesTheSwitchByLittle) {
+  TunedModule tuned(load_with_switch(true));
+  tuned.options.by_switch = LimitSwitch::left;
+  sim::Place least = 0;
+  sim::Place most = 0;
+  tuned.module.after_each = [&] {
+    least = std::min(least, tuned.place());
+    most = std::max(most, tuned.place());
+  };
+  ASSERT_TRUE(tuned.tune());
+  EXPECT_GE(least, -(900 + 8) * full_step);
+  EXPECT_LE(most, tuned.options.travel.greatest);
+}
+
+TEST(Tuning, ByASwitchEndsOnItWhereItBeganThere) {
+  auto stage = load_with_switch(true);
+  stage.left_switch = 0;
+  TunedModule tuned(stage);
+  tuned.options.travel = {-20 * full_step, 1000 * full_step};
+  tuned.options.by_switch = LimitSwitch::left;
+  ASSERT_TRUE(tuned.tune());
+  tuned.expect_left_as_it_was();
+  EXPECT_NEAR(static_cast<double>(tuned.place()), 0, full_step);
+}
+
+TEST(Tuning, NeedsASwitchThatItReachesAndThatStopsIt) {
+  auto stage = load_with_switch(true);
+  TunedModule other(stage);
+  other.options.by_switch = LimitSwitch::right;
+  EXPECT_THAT(other.error().message, HasSubstr("right limit switch has not stopped the axis"));
+  other.expect_left_as_it_was();
+  TunedModule short_travel(stage);
+  short_travel.options.by_switch = LimitSwitch::left;
+  short_travel.options.travel = {-100 * full_step, 1000 * full_step};
+  EXPECT_EQ(short_travel.error().code, Errc::bad_argument);
+  TunedModule disabled(stage);
+  constexpr std::uint8_t automatic_left_stop = 13;
+  disabled.module.lone.ask(Command::SAP, automatic_left_stop, 0);
+  disabled.options.by_switch = LimitSwitch::left;
+  EXPECT_THAT(disabled.error().message, HasSubstr("has not stopped the axis"));
+}
+
+TEST(Tuning, ByASwitchGivesBackWhatItHasSetWhateverFails) {
+  const auto tuned_with = [](std::optional<std::size_t> failing) {
+    TunedModule tuned(load_with_switch(true));
+    tuned.options.by_switch = LimitSwitch::left;
+    tuned.module.failing = failing;
+    (void)tuned.tune();
+    tuned.expect_left_as_it_was();
+    return tuned.module.exchanges();
+  };
+  const auto exchanges = tuned_with(std::nullopt);
+  const auto stride = exchanges / static_cast<std::size_t>(test::rounds(6)) + 1;
+  for (std::size_t step = 1; step < exchanges; step += stride) {
+    SCOPED_TRACE(step);
+    tuned_with(step);
+    if (testing::Test::HasFailure()) break;
+  }
+}
+
 TEST(Tuning, NeedsSomeTravel) {
   TunedModule tuned(some_load());
   tuned.options.travel = {0, 60 * full_step};

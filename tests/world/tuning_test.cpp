@@ -103,6 +103,13 @@ TEST_F(TunedAxis, HasWhatIsProposedAndKeepsItWhenThatIsAskedFor) {
   EXPECT_EQ(get(0, ap::max_velocity), velocity);
 }
 
+TEST_F(TunedAxis, GoesToTheSwitchThatIsToTell) {
+  EXPECT_THAT(end(begin_tuning({{"by_switch", "left"}})).error().message,
+              HasSubstr("left limit switch has not stopped the axis"));
+  EXPECT_EQ(name_of_error(end(begin_tuning({{"by_switch", "home"}}))), "bad_argument");
+  expect_as_before();
+}
+
 TEST_F(TunedAxis, IsMovedAndSetByNoOtherClient) {
   const auto answer = tuning_under_way();
   be_another_client();

@@ -76,12 +76,14 @@ GatewayAxis::Awaitable<void> TuningCourse::prepare() {
   options_.greatest_acceleration = greatest->acceleration;
   options_.max_current = request_.max_current;
   options_.margin = request_.margin;
+  options_.by_switch = request_.by_switch;
   options_.tell = [this](const std::string& what) {
     // What its numbers mean changes.
     axis().module().note_settings_changed();
     request_.tell(what);
   };
-  if (!tmcl::tune_encoder(*options_.units.model)) co_return tmcl::Result<void>{};
+  const bool can_tell = options_.by_switch || tmcl::tune_encoder(*options_.units.model);
+  if (!can_tell) co_return tmcl::Result<void>{};
   auto settings = co_await keep_settings(axis(), tmcl::tune_parameters(*options_.units.model));
   if (!settings) co_return tl::unexpected(settings.error());
   options_.settings = std::move(*settings);

@@ -19,6 +19,7 @@ struct TuningRequest {
   /// From where the axis stands; within its soft limits all the same. Without it, within them.
   std::optional<tmcl::ValueRange> travel{};
   double margin = 0.2;
+  std::optional<tmcl::LimitSwitch> by_switch{};  ///< Nothing: the encoder tells lost steps.
   Client client{};  ///< Gets a lease for it, unless it has one, or could not lose it.
   Permit permit{};
   std::function<void(const std::string& what)> tell{};

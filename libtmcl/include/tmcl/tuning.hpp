@@ -52,6 +52,9 @@ struct TuneTrial {
   std::optional<double> swing{};
 };
 
+/// Which of its limit switches tells whether an axis without an encoder has lost steps.
+enum class LimitSwitch : std::uint8_t { left, right };
+
 /// Why a search went no further.
 enum class LimitedBy : std::uint8_t { motor, travel, bounds };
 std::string_view name_of(LimitedBy limit);
@@ -99,6 +102,8 @@ struct TuneOptions {
   std::optional<PulsesPerSecond> greatest_velocity{};
   std::optional<PulsesPerSecond2> greatest_acceleration{};
   double margin = 0.2;  ///< So much more than what is proposed is what held, in parts.
+  /// Nothing: the encoder tells.
+  std::optional<LimitSwitch> by_switch{};
   /// Told what is done next.
   std::function<void(const std::string& what)> tell{};
 };
@@ -111,8 +116,9 @@ std::vector<std::uint8_t> tune_parameters(const Model& model);
 namespace verbs {
 
 /// The axis stands, and no other client moves it, or sets anything in its module.
-/// Errors: Errc::bad_argument for a model without an encoder, a travel that is too short, and an
-/// axis that moves; Errc::move_interrupted if its encoder does not follow even a slow move; those
+/// Errors: Errc::bad_argument for a model without an encoder where no switch is to tell, a switch
+/// that is not within the travel, a travel that is too short, and an axis that moves;
+/// Errc::move_interrupted if its encoder does not follow even a slow move; those
 /// of the exchanges, which are with Outcome::unknown if something was set that could not be given
 /// back.
 Script<Result<Tuning>> tune(AxisAddress axis, TuneOptions options);

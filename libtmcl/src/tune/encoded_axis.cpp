@@ -17,8 +17,6 @@ namespace {
 namespace ap = axis_parameter;
 using namespace std::chrono_literals;
 
-constexpr auto load_value = number_of("load_value");
-
 /// A rotor that is further behind its field than this has lost it.
 constexpr double full_steps_on_the_way = 4;
 /// What is lost is lost in full steps; the rest is the encoder's.
@@ -162,16 +160,6 @@ std::string EncodedAxis::stray_text(double deviation) const {
                      deviation / full_step_);
 }
 
-Script<Result<void>> EncodedAxis::look_at_load(Passage& passage, std::int32_t from) {
-  const auto before = co_await must(watched_->get(ap::actual_velocity));
-  const auto value = co_await must(watched_->get(load_value));
-  const auto after = co_await must(watched_->get(ap::actual_velocity));
-  // While it speeds up the load is another one.
-  if (before != after || std::abs(before) < from) co_return Result<void>{};
-  passage.load_value = std::min(passage.load_value.value_or(value), value);
-  co_return Result<void>{};
-}
-
 Script<Result<std::vector<ReadingAt>>> EncodedAxis::listen() {
   RestReadings wanted;
   wanted.parameter = encoder_;
@@ -207,7 +195,8 @@ Script<Result<Passage>> EncodedAxis::pass_to(std::int32_t target, Lookout lookou
                       first, target, here(sight));
       break;
     }
-    if (lookout.load_value_from) co_await must(look_at_load(passage, *lookout.load_value_from));
+    if (lookout.load_value_from)
+      co_await must(look_at_load(*watched_, passage, *lookout.load_value_from));
   }
   if (!passage.held()) {
     co_await must(watched_->stop());

@@ -2,34 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "tmcl/mechanics.hpp"
-#include "tmcl/readings_at_rest.hpp"
-#include "verify/watched_axis.hpp"
+#include "tune/passage.hpp"
 
 namespace tmcl::verbs {
-
-/// A move one way, as its encoder had it.
-struct Passage {
-  double deviation = 0;  ///< The greatest, in microsteps.
-  std::optional<std::int32_t> load_value{};
-  bool drifted = false;              ///< It held, but a part of a step is missing.
-  std::vector<ReadingAt> at_rest{};  ///< Of the encoder, if it was to be listened to.
-  std::string trouble{};             ///< Empty: it held, and the axis stands where it was sent.
-
-  bool held() const { return trouble.empty(); }
-};
-
-/// What is looked at on the way, beside the encoder.
-struct Lookout {
-  Duration limit{};  ///< It has arrived by then.
-  /// At this speed the load value is read, in the module's unit; nothing: it is not.
-  std::optional<std::int32_t> load_value_from{};
-  bool listens = false;  ///< To how its load swings when the motor stands.
-};
 
 class EncodedAxis {
  public:
@@ -66,7 +45,6 @@ class EncodedAxis {
   Script<Result<std::int32_t>> counted_at(std::int32_t target, Duration limit);
   Script<Result<Sight>> look();
   Script<Result<std::vector<ReadingAt>>> listen();
-  Script<Result<void>> look_at_load(Passage& passage, std::int32_t from);
   /// Where the encoder says that the motor is, if it was going up last; the other way it is further
   /// down by the backlash.
   double place_of(std::int32_t counted) const;

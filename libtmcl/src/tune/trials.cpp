@@ -84,7 +84,8 @@ Script<Result<void>> Tuner::go_slowly_to(std::int32_t target) {
   co_await must(set_ramp(back_));
   const auto way = options_.travel.greatest - options_.travel.least;
   const Lookout lookout{limit_of(back_, way), std::nullopt};
-  const auto passage = co_await must(encoded_->pass_to(target, lookout));
+  auto move = switched_ ? switched_->pass_to(target, lookout) : encoded_->pass_to(target, lookout);
+  const auto passage = co_await must(std::move(move));
   if (passage.held()) co_return Result<void>{};
   Error error;
   error.code = Errc::move_interrupted;
@@ -112,14 +113,19 @@ Script<Result<void>> Tuner::recover(bool up, Duration limit) {
   co_return Result<void>{};
 }
 
+Lookout Tuner::lookout_of(const TuneTrial& trial, const plan::PlannedRamp& ramp,
+                          std::int32_t way) const {
+  Lookout lookout{limit_of(ramp, way), std::nullopt, trial.sought == Sought::bow};
+  if (!trial.threshold) return lookout;
+  const auto& settings = ramp.choice.settings;
+  const auto top = std::ranges::find(settings, ap::max_velocity, &plan::Setting::parameter);
+  lookout.load_value_from = static_cast<std::int32_t>(full_speed_part * top->value);
+  return lookout;
+}
+
 Script<Result<void>> Tuner::there_and_back(TuneTrial& trial, const plan::PlannedRamp& ramp,
                                            std::int32_t way) {
-  Lookout lookout{limit_of(ramp, way), std::nullopt, trial.sought == Sought::bow};
-  if (trial.threshold) {
-    const auto& settings = ramp.choice.settings;
-    const auto top = std::ranges::find(settings, ap::max_velocity, &plan::Setting::parameter);
-    lookout.load_value_from = static_cast<std::int32_t>(full_speed_part * top->value);
-  }
+  const auto lookout = lookout_of(trial, ramp, way);
   const std::int32_t targets[] = {range_.least + way, range_.least};
   for (const auto target : targets) {
     auto passage = co_await must(encoded_->pass_to(target, lookout));
@@ -154,7 +160,8 @@ Script<Result<bool>> Tuner::trial(Sought sought, const plan::PlannedRamp& ramp,
   if (sought == Sought::threshold) trial.threshold = found_.threshold;
   co_await must(watched_.set(plan::Setting{tuned::max_current, current}));
   co_await must(set_ramp(ramp));
-  co_await must(there_and_back(trial, ramp, way));
+  auto moves = switched_ ? out_and_back(trial, ramp, way) : there_and_back(trial, ramp, way);
+  co_await must(std::move(moves));
   tell(fmt::format("{}: {:.0f} microsteps/s, {:.0f} microsteps/s^2, current {}: {}",
                    name_of(sought), trial.velocity.value, trial.acceleration.value, current,
                    trial.held ? "held" : trial.trouble));

@@ -10,6 +10,7 @@
 #include "tmcl/plan/ring_down.hpp"
 #include "tmcl/tuning.hpp"
 #include "tune/encoded_axis.hpp"
+#include "tune/switched_axis.hpp"
 
 namespace tmcl::verbs {
 
@@ -50,6 +51,14 @@ class Tuner {
                              std::int32_t way);
   Script<Result<void>> there_and_back(TuneTrial& trial, const plan::PlannedRamp& ramp,
                                       std::int32_t way);
+  Script<Result<void>> out_and_back(TuneTrial& trial, const plan::PlannedRamp& ramp,
+                                    std::int32_t way);
+  Script<Result<void>> set_gentle();
+  Script<Result<double>> find_switch(std::int32_t way);
+  Script<Result<void>> calibrate();
+  Script<Result<void>> calibrate_encoder();
+  Script<Result<void>> calibrate_switch();
+  Script<Result<void>> go_home();
   Script<Result<bool>> load_stays_up(std::int32_t threshold);
   Script<Result<void>> set_ramp(const plan::PlannedRamp& ramp);
   Script<Result<void>> recover(bool up, Duration limit);
@@ -74,6 +83,10 @@ class Tuner {
   std::int32_t current_for(Sought sought, double value) const;
   /// Both ramps, and some time at full speed.
   std::int32_t way_of(const plan::PlannedRamp& ramp) const;
+  /// Where trials begin, and where they get to.
+  std::int32_t base() const { return away_ > 0 ? range_.least : range_.greatest; }
+  std::int32_t at(std::int32_t way) const { return base() + away_ * way; }
+  Lookout lookout_of(const TuneTrial& trial, const plan::PlannedRamp& ramp, std::int32_t way) const;
   Duration limit_of(const plan::PlannedRamp& ramp, std::int32_t way) const;
   std::int32_t room() const { return range_.greatest - range_.least; }
   void propose();
@@ -85,6 +98,8 @@ class Tuner {
   TuneOptions options_;
   WatchedAxis watched_;
   std::optional<EncodedAxis> encoded_;
+  std::optional<SwitchedAxis> switched_;  ///< One of these two.
+  int away_ = 1;                          ///< From the base: 1 up, -1 down.
   Tuning found_;
   std::vector<ReadingAt> at_rest_;  ///< After the last move that was listened to.
   ValueRange range_{};

@@ -61,7 +61,6 @@ tl::unexpected<Error> nothing_held(Sought sought, double first) {
 // ---- the course -------------------------------------------------------------------------------
 
 Script<Result<void>> Tuner::begin() {
-  const auto encoder = tune_encoder(model());
   const auto resolution = co_await must(watched_.get(ap::microstep_resolution));
   full_step_ = 1 << std::clamp(resolution, 0, max_microstep_resolution);
   const auto& travel = options_.travel;
@@ -86,7 +85,10 @@ Script<Result<void>> Tuner::begin() {
                      "set some with which it moves slowly: 'tmclctl ramp'"));
   slow_ = *slow;
   back_ = slow_;
-  encoded_.emplace(axis_, watched_, *encoder, full_step_);
+  if (options_.by_switch)
+    switched_.emplace(axis_, watched_, *options_.by_switch, full_step_);
+  else
+    encoded_.emplace(axis_, watched_, *tune_encoder(model()), full_step_);
   co_return Result<void>{};
 }
 
@@ -219,15 +221,32 @@ void Tuner::propose() {
   if (hold && hold->limited_by == LimitedBy::motor)
     found_.settings.push_back({tuned::standby_current, static_cast<std::int32_t>(hold->proposed)});
   if (found_.threshold) found_.settings.push_back({tuned::threshold, *found_.threshold});
-  found_.backlash = encoded_->backlash();
-  found_.counts_per_microstep = encoded_->counts_per_microstep();
+  if (encoded_) {
+    found_.backlash = encoded_->backlash();
+    found_.counts_per_microstep = encoded_->counts_per_microstep();
+  }
   if (found_.velocity.limited_by == LimitedBy::travel)
     found_.warnings.emplace_back(
         "the travel is too short for a higher velocity with the acceleration that the axis has");
   if (found_.lost_steps)
     found_.warnings.emplace_back(
-        "the axis has lost steps, and its position was set again as its encoder has it: search "
+        "the axis has lost steps, and its position was set again by its encoder or switch: search "
         "the reference again");
+}
+
+Script<Result<void>> Tuner::calibrate() {
+  if (switched_) return calibrate_switch();
+  return calibrate_encoder();
+}
+
+Script<Result<void>> Tuner::calibrate_encoder() {
+  tell("measures its encoder by slow moves");
+  auto measured = range_;
+  measured.greatest = static_cast<std::int32_t>(
+      std::min<double>(measured.greatest, measured.least + measured_full_steps * full_step_));
+  const auto all = options_.travel.greatest - options_.travel.least;
+  co_await must(encoded_->calibrate(measured, limit_of(slow_, all)));
+  co_return Result<void>{};
 }
 
 Script<Result<void>> Tuner::course() {
@@ -236,29 +255,26 @@ Script<Result<void>> Tuner::course() {
     if (has(parameter)) co_await must(watched_.set(plan::Setting{parameter, 0}));
   co_await must(watched_.set(plan::Setting{tuned::max_current, options_.max_current}));
   co_await must(set_ramp(slow_));
-  tell("measures its encoder by slow moves");
-  auto measured = range_;
-  measured.greatest = static_cast<std::int32_t>(
-      std::min<double>(measured.greatest, measured.least + measured_full_steps * full_step_));
-  const auto all = options_.travel.greatest - options_.travel.least;
-  co_await must(encoded_->calibrate(measured, limit_of(slow_, all)));
+  co_await must(calibrate());
   co_await must(find_velocity());
   co_await must(find_acceleration());
   co_await must(find_current());
   co_await must(find_threshold());
-  co_await must(find_hold_current());
-  co_await must(find_bow());
+  if (encoded_) {
+    co_await must(find_hold_current());
+    co_await must(find_bow());
+  }
   co_await must(confirm());
-  co_await must(go_slowly_to(watched_.home().value));
+  co_await must(go_home());
   propose();
   co_return Result<void>{};
 }
 
 Script<Result<Tuning>> Tuner::run() {
-  if (!tune_encoder(model()))
+  if (!options_.by_switch && !tune_encoder(model()))
     co_return tl::unexpected(
         bad_argument(fmt::format("a {} has no encoder that would tell lost steps", model().name),
-                     "find its limits by hand: 'tmclctl ramp --fastest' takes the figures"));
+                     "say which limit switch tells them: '--switch left'"));
   auto done = co_await course();
   co_await must(watched_.end(std::move(done)));
   co_return std::move(found_);

@@ -1840,6 +1840,8 @@ export interface Methods {
       margin?: number;
       /** sets what is proposed, and keeps it in the EEPROM of its module */
       store?: boolean;
+      /** left or right: the limit switch that tells lost steps; the encoder does if absent */
+      by_switch?: string;
     };
     result: {
       /** name of the axis */
@@ -1877,7 +1879,7 @@ export interface Methods {
       backlash: number;
       /** of the encoder; below 0 if it counts the other way */
       counts_per_microstep: number;
-      /** the position of the axis was set again, as its encoder has it: search the reference */
+      /** the position of the axis was set again, by its encoder or switch: search the reference */
       lost_steps: boolean;
       /** all that were made, in their order */
       trials: {

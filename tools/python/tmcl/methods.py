@@ -1353,7 +1353,7 @@ class AxisTune(Record):
     backlash: float = 0.0
     #: of the encoder; below 0 if it counts the other way
     counts_per_microstep: float = 0.0
-    #: the position of the axis was set again, as its encoder has it: search the reference
+    #: the position of the axis was set again, by its encoder or switch: search the reference
     lost_steps: bool = False
     #: all that were made, in their order
     trials: tuple[AxisTuneTrials, ...] = ()
@@ -2536,9 +2536,10 @@ class Methods:
         to: float | str | None = None,
         margin: float | None = None,
         store: bool | None = None,
+        by_switch: str | None = None,
     ) -> AxisTune:
         """`axis.tune` finds by trials the greatest velocity and acceleration that an axis bears."""
-        return AxisTune.of(self._call("axis.tune", {"axis": axis, "max_current": max_current, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to, "margin": margin, "store": store}))
+        return AxisTune.of(self._call("axis.tune", {"axis": axis, "max_current": max_current, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to, "margin": margin, "store": store, "by_switch": by_switch}))
 
     def axis_verify(
         self,
@@ -3623,9 +3624,10 @@ class AsyncMethods:
         to: float | str | None = None,
         margin: float | None = None,
         store: bool | None = None,
+        by_switch: str | None = None,
     ) -> AxisTune:
         """`axis.tune` finds by trials the greatest velocity and acceleration that an axis bears."""
-        return AxisTune.of(await self._call("axis.tune", {"axis": axis, "max_current": max_current, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to, "margin": margin, "store": store}))
+        return AxisTune.of(await self._call("axis.tune", {"axis": axis, "max_current": max_current, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to, "margin": margin, "store": store, "by_switch": by_switch}))
 
     async def axis_verify(
         self,

@@ -420,6 +420,7 @@ struct Tune {
   std::string axis;
   std::int32_t max_current = 0;
   MeasuredTravel travel;
+  std::string by_switch;
   std::optional<double> margin_percent;
   bool store = false;
   bool yes = false;

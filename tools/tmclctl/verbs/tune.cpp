@@ -108,8 +108,7 @@ void print(const verb::Tune& verb, const Tuned& tuned, Output& output) {
   }
   if (tuned.threshold)
     table.add({"threshold", "", std::to_string(*tuned.threshold), "the load value keeps off 0"});
-  if (tuned.bow)
-    table.add({"bow", "", std::to_string(tuned.bow->value), why_this_bow(*tuned.bow)});
+  if (tuned.bow) table.add({"bow", "", std::to_string(tuned.bow->value), why_this_bow(*tuned.bow)});
   table.print(output);
   output.out << picture(tuned);
   const auto held = std::ranges::count(tuned.trials, true, &TuneTrial::held);
@@ -135,6 +134,7 @@ api::axis::Tune method_of(const verb::Tune& verb) {
   constexpr double percent = 100;
   if (verb.margin_percent) method.margin = *verb.margin_percent / percent;
   if (verb.store) method.store = true;
+  if (!verb.by_switch.empty()) method.by_switch = verb.by_switch;
   return method;
 }
 
@@ -174,7 +174,9 @@ threshold with which its load value keeps off 0, the least standby current with 
 on a TMC457 the bow with which a load that swings stands first. Proposed is less than the limit by
 --margin, of currents more. In the end all of it is made twice on all of the travel.
 
-An axis without an encoder is refused: nothing else would tell. A trial ends at the first sign of
+An axis without an encoder needs --switch left or right: after each trial it goes slowly to that limit
+switch, which must stop it within the travel, and steps that were lost are seen only then. With an encoder
+a trial ends at the first sign of
 trouble: the encoder is four full steps from where it should be, or half a full step when the axis
 stands. The motor is stopped, the position is set again as the encoder has it, and less is tried; so an
 axis that has lost steps has lost its reference, and is to search it again.
@@ -190,6 +192,7 @@ and what changes with temperature, wear, and supply. docs/TUNING.md says more.
 
   tmclctl tune x --max-current 200 --travel -50mm..50mm
   tmclctl tune x --max-current 200 --margin 50 --store --yes
+  tmclctl tune z --max-current 150 --switch left --travel -60mm..0mm
 )";
 
 }  // namespace
@@ -206,6 +209,9 @@ void add_tune(Grammar& grammar) {
   tune.option("--travel", "FROM..TO",
               "How far it may go from where it stands; without it, to its soft limits",
               [&values](const std::string& said) { return read_travel(said, values.travel); });
+  tune.option("--switch", "left|right",
+              "The limit switch that tells lost steps; without it, the encoder",
+              text(values.by_switch));
   tune.option("--margin", "PERCENT", "How much more than what is proposed held (default: 20)",
               number(values.margin_percent, 0, greatest_margin_percent));
   tune.flag("--store", "Set what is proposed, and keep it in the EEPROM", tune->store);

@@ -55,8 +55,9 @@ struct Tuned {
              "range; null where the module has none, or none does");
   TMCL_FIELD(double, backlash, "between motor and encoder, in microsteps");
   TMCL_FIELD(double, counts_per_microstep, "of the encoder; below 0 if it counts the other way");
-  TMCL_FIELD(bool, lost_steps,
-             "the position of the axis was set again, as its encoder has it: search the reference");
+  TMCL_FIELD(
+      bool, lost_steps,
+      "the position of the axis was set again, by its encoder or switch: search the reference");
   TMCL_FIELD(std::vector<TuneTrial>, trials, "all that were made, in their order");
   TMCL_FIELD(std::vector<TunedSetting>, settings, "what is proposed, in the order to set it");
   TMCL_FIELD(bool, stored, "they are set, and in the module's EEPROM where that keeps them");
@@ -84,6 +85,8 @@ struct Tune {
              "so much more than what is proposed has held, in parts; 0.2 if absent");
   TMCL_FIELD(std::optional<bool>, store,
              "sets what is proposed, and keeps it in the EEPROM of its module");
+  TMCL_FIELD(std::optional<std::string>, by_switch,
+             "left or right: the limit switch that tells lost steps; the encoder does if absent");
 };
 struct TuneProgress {
   TMCL_STRUCT(TuneProgress);
