@@ -80,9 +80,9 @@ plan::PathResult<plan::Course> course_of(const verb::CheckPath& verb,
 }
 
 /// What its jerk makes of a course; nothing without one.
-std::optional<tmcl::api::path::JerkLimit> jerk_of(const verb::CheckPath& verb,
-                                                  const plan::Course& course,
-                                                  const plan::PathSource& source) {
+std::optional<tmcl::api::path::JerkLimit> jerk_limit_of(const verb::CheckPath& verb,
+                                                        const plan::Course& course,
+                                                        const plan::PathSource& source) {
   if (!verb.jerk) return std::nullopt;
   const auto plain = course_of(verb, source, unlimited).value();
   return tmcld::view_of_jerk(course, plain, resonance_of(verb.shaping), source.path.axes);
@@ -150,7 +150,7 @@ Result<ExitCode> run(const verb::CheckPath& verb, Output& output) {
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   const auto course = view_of(*planned, *source, *machine);
   const auto shaped = tmcld::view_of(*planned, shaping, source->path.axes);
-  const auto smooth = jerk_of(verb, *planned, *source);
+  const auto smooth = jerk_limit_of(verb, *planned, *source);
   if (shaped && shaped->off_path > verb.tolerance) warnings.push_back(corners_warning(verb));
   warn(warnings, output);
   tmcl::api::path::Curve curve;
