@@ -2097,7 +2097,7 @@ export interface Methods {
       target_microsteps: number;
       /** position equals target, perhaps only in passing */
       position_reached: boolean;
-      /** its speed is not zero */
+      /** its speed is not zero, or it turns round to come to its target from one side */
       moving: boolean;
       /** what the next three are in; null if the axis has none */
       unit: string | null;
@@ -3125,7 +3125,7 @@ export interface Methods {
         target_microsteps: number;
         /** position equals target, perhaps only in passing */
         position_reached: boolean;
-        /** its speed is not zero */
+        /** its speed is not zero, or it turns round to come to its target from one side */
         moving: boolean;
         /** what the next three are in; null if the axis has none */
         unit: string | null;

@@ -1467,7 +1467,7 @@ class State(Record):
     target_microsteps: int = 0
     #: position equals target, perhaps only in passing
     position_reached: bool = False
-    #: its speed is not zero
+    #: its speed is not zero, or it turns round to come to its target from one side
     moving: bool = False
     #: what the next three are in; null if the axis has none
     unit: str | None = None
@@ -1934,7 +1934,7 @@ class WatchedState(Record):
     target_microsteps: int = 0
     #: position equals target, perhaps only in passing
     position_reached: bool = False
-    #: its speed is not zero
+    #: its speed is not zero, or it turns round to come to its target from one side
     moving: bool = False
     #: what the next three are in; null if the axis has none
     unit: str | None = None
