@@ -48,6 +48,16 @@ std::string trouble_in(const api::axis::State& state) {
 
 }  // namespace
 
+tl::expected<double, std::string> si_per_unit(client::Caller& caller, const std::string& axis) {
+  const auto units = caller.axis(axis).units();
+  if (!units) return about(axis, units.error().message);
+  const auto name = units->unit.value_or("");
+  const auto known = radians_or_metres.find(name);
+  if (known == radians_or_metres.end())
+    return about(axis, "its unit '" + name + "' is no length or angle");
+  return known->second;
+}
+
 Joints::Joints(Choices choices) : choices_(std::move(choices)) {
   for (const auto& axis : choices_.axes) joints_.push_back({.axis = axis});
 }
@@ -60,12 +70,9 @@ tl::expected<void, std::string> Joints::open() {
   if (!caller) return tl::unexpected(caller.error().message);
   caller_.emplace(std::move(*caller));
   for (auto& joint : joints_) {
-    const auto units = caller_->axis(joint.axis).units();
-    if (!units) return about(joint.axis, units.error().message);
-    const auto known = radians_or_metres.find(units->unit.value_or(""));
-    if (known == radians_or_metres.end())
-      return about(joint.axis, "its unit '" + units->unit.value_or("") + "' is no length or angle");
-    joint.si_per_unit = known->second;
+    const auto si = si_per_unit(*caller_, joint.axis);
+    if (!si) return tl::unexpected(si.error());
+    joint.si_per_unit = *si;
     if (auto seen = look(joint, {}); !seen) return seen;
   }
   worker_ = std::jthread([this](const std::stop_token& ending) { follow(ending); });

@@ -21,6 +21,9 @@ namespace tmcl::ros2 {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
+/// How many metres or radians the unit of an axis has.
+tl::expected<double, std::string> si_per_unit(client::Caller& caller, const std::string& axis);
+
 struct Choices {
   std::string socket = "/run/tmcld/tmcld.sock";
   double lease_ttl_s = 2;  ///< 1 to 60
