@@ -58,7 +58,9 @@ TEST_F(DaemonApproach, IsForeseen) {
   move_to(10);
   wait_for(10);
   const auto begin = daemon.on_reactor([&] { return reactor->clock.now(); });
-  const double predicted = move_to(5).at("predicted_s").to_number<double>();
+  const auto started = move_to(5);
+  EXPECT_TRUE(started.at("warnings").as_array().empty()) << json::serialize(started);
+  const double predicted = started.at("predicted_s").to_number<double>();
   wait_for(5);
   const auto took = tmcl::seconds(daemon.on_reactor([&] { return reactor->clock.now(); }) - begin);
   EXPECT_NEAR(took, predicted, 0.2);

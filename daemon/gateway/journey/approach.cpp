@@ -85,9 +85,10 @@ awaitable<StartedMove> foresee(const ApproachOrder& order, const Approach& appro
   auto twin = co_await order.axis->twin(order.movement);
   if (!twin) started.warnings.push_back("no prediction: " + twin.error().message);
   if (!twin || !*twin) co_return started;
+  started.predicted = time_of(approach, **twin, started.target);
+  (*twin)->move_to(started.target);
   for (auto& warning : order.axis->warnings_of(**twin))
     started.warnings.push_back(std::move(warning));
-  started.predicted = time_of(approach, std::move(**twin), started.target);
   if (!started.predicted)
     started.warnings.emplace_back("with these settings it does not come to rest on its target");
   co_return started;
