@@ -350,8 +350,10 @@ GatewayAxis::Awaitable<void> GatewayAxis::await_settling(RestingPosition& arrive
         "its module has no encoder, and 'in_position' of the configuration needs one");
     co_return tmcl::Result<void>{};
   }
-  auto give_up = bus().clock().now() + std::max(time_to_settle, wanted->settle);
-  if (options.deadline) give_up = std::min(give_up, *options.deadline);
+  // Clients wait in parts: what passes between two calls counts.
+  if (!arrived_ || arrived_->position != arrived.position)
+    arrived_ = {arrived.position, bus().clock().now()};
+  const auto give_up = arrived_->at + std::max(time_to_settle, wanted->settle);
   auto settling = settle(address(), **window, wanted->settle, give_up);
   const auto off = co_await axis_.run(std::move(settling), std::move(options));
   if (!off) co_return tl::unexpected(off.error());
@@ -535,6 +537,7 @@ boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
 void GatewayAxis::forget_move() {
   stop_cause_.reset();
   expected_arrival_ = {};
+  arrived_.reset();
   requested_.reset();
 }
 

@@ -328,6 +328,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   void forget_move();
 
   std::optional<tmcl::Microsteps> bound_for_;
+  /// Where it has arrived by its counter, and when that was seen first.
+  struct Arrived {
+    tmcl::Microsteps position;
+    tmcl::TimePoint at{};
+  };
+  std::optional<Arrived> arrived_;
   AxisContext axis_;
   AxisUnits units_{axis_};
   AxisAdmission admission_{axis_, units_};

@@ -8,7 +8,7 @@
 
 namespace tmcld {
 
-/// So long it may take, unless the client's own time is shorter.
+/// So long it may take after the arrival, unless the client's own time is shorter.
 constexpr tmcl::Duration time_to_settle = std::chrono::seconds(5);
 
 /// What an encoder is to read; in its counts.
