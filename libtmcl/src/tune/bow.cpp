@@ -69,20 +69,21 @@ std::optional<double> Tuner::settled_s(std::int32_t bow, double way,
   return longest;
 }
 
-/// Of equal ones the steepest.
-std::int32_t Tuner::first_settled_bow(const ramp::Resonance& resonance) const {
+/// Of equal ones the steepest. Others get their turn between two: each takes some milliseconds.
+Script<std::int32_t> Tuner::first_settled_bow(ramp::Resonance resonance) const {
   const auto bows = gentler_bows();
   double way = 0;
   for (const auto bow : bows) way = std::max<double>(way, way_of(*bowed_ramp(bow, options_.units)));
   auto best = bows.front();
   auto least = settled_s(best, way, resonance);
   for (const auto bow : bows) {
+    co_await pause({});
     const auto settled = settled_s(bow, way, resonance);
     if (!settled || (least && *settled >= *least)) continue;
     least = settled;
     best = bow;
   }
-  return best;
+  co_return best;
 }
 
 /// There and back with it; nothing if that did not hold.
@@ -114,7 +115,7 @@ Script<Result<void>> Tuner::find_bow() {
         "how the load swings is not clear, so no bow is proposed: see 'tmclctl resonance'");
   if (seen.verdict != RingDown::Verdict::rings) co_return Result<void>{};
   found_.bow->resonance = seen.resonance;
-  const auto bow = first_settled_bow(seen.resonance);
+  const auto bow = co_await first_settled_bow(seen.resonance);
   if (bow == before) co_return Result<void>{};
   const auto less = co_await must(swing_with(bow));
   if (less && *less < *swing) {

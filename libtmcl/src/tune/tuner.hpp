@@ -76,7 +76,7 @@ class Tuner {
   /// At the proposed velocity and acceleration.
   std::optional<plan::PlannedRamp> bowed_ramp(std::int32_t bow, const AxisUnits& units) const;
   std::vector<std::int32_t> gentler_bows() const;
-  std::int32_t first_settled_bow(const ramp::Resonance& resonance) const;
+  Script<std::int32_t> first_settled_bow(ramp::Resonance resonance) const;
   std::optional<double> settled_s(std::int32_t bow, double way,
                                   const ramp::Resonance& resonance) const;
   plan::RingDown ring_down_seen() const;
