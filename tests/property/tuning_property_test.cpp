@@ -299,10 +299,19 @@ double settled_s(const Tuning& found, std::int32_t bow, double way,
   return longest;
 }
 
+/// With less the generator itself swings about its target with the bow that the axis has: that is no
+/// ramp with which it moves for certain.
+double least_acceleration_with_bow(std::int32_t bow) {
+  const InternalAcceleration least{1 << (bow - 1)};
+  return to_pps2(least, initial_units(*find_model(bowed_model))).value / full_step;
+}
+
 /// What it swings by is within what trials take for lost steps.
 Load swinging_load(std::uint64_t seed) {
   Loads random(seed);
   auto load = random.any();
+  load.truth.acceleration =
+      std::max(load.truth.acceleration, 1.05 * least_acceleration_with_bow(11));
   const auto steepest = load.truth.greatest_acceleration(0);
   const auto least_hz = std::sqrt(2 * steepest / 1.5) / (2 * std::numbers::pi);
   load.stage.resonance = ramp::Resonance{std::min(70.0, least_hz * random.between(100, 200) / 100),
