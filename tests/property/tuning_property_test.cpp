@@ -139,8 +139,9 @@ class Tuned {
     if (find_parameter(axis_parameters(model_), ap::unit_mode) != nullptr) set(ap::unit_mode, 1);
     set(ap::max_velocity, 51'200);
     set(ap::max_acceleration, static_cast<std::int32_t>(load.truth.acceleration * full_step));
+    // Not less: with what is drawn the axis stands.
     const auto of_range = [this](std::uint8_t parameter, std::int32_t of_256) {
-      set(parameter, of_256 * (greatest(parameter) + 1) / 256);
+      set(parameter, (of_256 * (greatest(parameter) + 1) + 255) / 256);
     };
     if (model_.family == Family::sixpoint) set(number_of("stallguard2_threshold"), 3);
     of_range(number_of("standby_current"), load.standby_current);
@@ -299,8 +300,8 @@ double settled_s(const Tuning& found, std::int32_t bow, double way,
   return longest;
 }
 
-/// With less the generator itself swings about its target with the bow that the axis has: that is no
-/// ramp with which it moves for certain.
+/// With less the generator itself swings about its target with the bow that the axis has: that is
+/// no ramp with which it moves for certain.
 double least_acceleration_with_bow(std::int32_t bow) {
   const InternalAcceleration least{1 << (bow - 1)};
   return to_pps2(least, initial_units(*find_model(bowed_model))).value / full_step;
