@@ -290,6 +290,7 @@ GatewayAxis::Awaitable<RestingPosition> GatewayAxis::wait(tmcl::WaitOptions wait
 GatewayAxis::Awaitable<void> GatewayAxis::await_approach(Deadline deadline, Objection objection) {
   constexpr tmcl::Duration between_looks = std::chrono::seconds(1);
   while (claim_kind() == ClaimKind::approach) {
+    arrived_.reset();
     const auto run = journey();
     if (!run || run->has_ended()) break;
     if (auto objects = objection()) co_return tl::unexpected(std::move(*objects));
@@ -357,6 +358,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::await_settling(RestingPosition& arrive
   auto settling = settle(address(), **window, wanted->settle, give_up);
   const auto off = co_await axis_.run(std::move(settling), std::move(options));
   if (!off) co_return tl::unexpected(off.error());
+  arrived_.reset();
   if (*off) arrived.out_of_position = std::abs(**off / (*window)->counts_per_unit);
   co_return tmcl::Result<void>{};
 }
