@@ -95,6 +95,15 @@ TEST_F(DaemonApproach, HoldsForDistancesToo) {
   EXPECT_THAT(places_sent_to(), ElementsAre(7.5, 8));
 }
 
+TEST_F(DaemonApproach, ItsDeadlineIsForTheFirstMove) {
+  move_to(10);
+  wait_for(10);
+  places_sent_to();
+  client->result("axis.move_to", {{"axis", "y"}, {"position", 5}, {"deadline_ms", 100}});
+  EXPECT_EQ(wait_for(5).at("position"), 5);
+  EXPECT_THAT(places_sent_to(), ElementsAre(4.5, 5));
+}
+
 TEST_F(DaemonApproach, AStopEndsIt) {
   move_to(10);
   wait_for(10);

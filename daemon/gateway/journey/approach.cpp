@@ -37,6 +37,11 @@ class ApproachRun final : public WishedRun {
   tmcl::plan::Drive& what_drives() override { return drive_; }
   std::uint64_t carried_out() const override { return drive_.done(); }
   std::string what_it_is() const override { return "the move of axis '" + axis().name() + "'"; }
+  /// The deadline of the call is for its first move: the second one comes when that has ended.
+  awaitable<tmcl::TimePoint> before_step() override {
+    if (drive_.done() > 0) members_.front().admitted->deadline.reset();
+    return WishedRun::before_step();
+  }
   void aim(const DriveMember& member, tmcl::Microsteps place) const override {
     WishedRun::aim(member, place);
     axis().note_bound_for(target_);
