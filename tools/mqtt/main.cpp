@@ -1,15 +1,21 @@
 // tmcld-mqtt: see command_line.cpp for what it says of itself.
+#include <sys/random.h>
+
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include "async/workers.hpp"
 #include "command_line.hpp"
 #include "io/bridge.hpp"
 #include "log/log.hpp"
@@ -36,6 +42,16 @@ int say_config(const MqttConfig& config) {
   return ok;
 }
 
+std::string random_text() {
+  constexpr std::size_t bytes = 16;
+  std::array<unsigned char, bytes> drawn{};
+  if (::getrandom(drawn.data(), drawn.size(), 0) != static_cast<ssize_t>(drawn.size()))
+    throw std::runtime_error("the system gives no random numbers");
+  std::string text;
+  for (const auto byte : drawn) text += fmt::format("{:02x}", byte);
+  return text;
+}
+
 int serve(const MqttConfig& config) {
   // A peer that has gone is an error value of the write.
   std::signal(SIGPIPE, SIG_IGN);
@@ -45,8 +61,16 @@ int serve(const MqttConfig& config) {
     return runtime_failure;
   }
   boost::asio::io_context context(1);
-  const auto bridge =
-      std::make_shared<Bridge>(context.get_executor(), config, [&service] { service->alive(); });
+  tmcld::Workers workers(1);
+  BridgeParts parts;
+  parts.connect = [&workers](BrokerOptions options, Broker::OnMessage on_message,
+                             std::function<void()> on_room) {
+    return connect_to_broker(workers, std::move(options), std::move(on_message),
+                             std::move(on_room));
+  };
+  parts.draw = random_text;
+  parts.on_turn = [&service] { service->alive(); };
+  const auto bridge = std::make_shared<Bridge>(context.get_executor(), config, std::move(parts));
   boost::asio::signal_set signals(context, SIGTERM, SIGINT);
   signals.async_wait([&](const boost::system::error_code&, int number) {
     tmcld::log(LogLevel::info, number == SIGINT ? "ending: SIGINT" : "ending: SIGTERM");

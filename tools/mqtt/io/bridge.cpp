@@ -1,11 +1,7 @@
 #include "io/bridge.hpp"
 
-#include <sys/random.h>
-
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,16 +29,6 @@ constexpr auto first_pause_without_broker = std::chrono::milliseconds(500);
 constexpr auto longest_pause_without_broker = std::chrono::seconds(15);
 constexpr std::int32_t state_interval_ms = 200;
 constexpr std::size_t longest_short_answer = 4096;
-
-std::string random_text() {
-  constexpr std::size_t bytes = 16;
-  std::array<unsigned char, bytes> drawn{};
-  if (::getrandom(drawn.data(), drawn.size(), 0) != static_cast<ssize_t>(drawn.size()))
-    throw std::runtime_error("the system gives no random numbers");
-  std::string text;
-  for (const auto byte : drawn) text += fmt::format("{:02x}", byte);
-  return text;
-}
 
 std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Methods& told) {
   std::map<std::string, tmcl::Effect, std::less<>> methods;
@@ -91,13 +77,12 @@ Error no_gateway() {
 
 }  // namespace
 
-Bridge::Bridge(const boost::asio::any_io_executor& executor, MqttConfig config,
-               std::function<void()> on_turn)
+Bridge::Bridge(const boost::asio::any_io_executor& executor, MqttConfig config, BridgeParts parts)
     : executor_(executor),
       clock_(executor),
       config_(std::move(config)),
-      on_turn_(std::move(on_turn)),
-      gate_(config_.gateway, random_text, config_.nonce_ttl),
+      parts_(std::move(parts)),
+      gate_(config_.gateway, parts_.draw, config_.nonce_ttl),
       births_(gate_.topics().birth(), TMCL_VERSION),
       news_(gate_.topics()),
       users_(std::make_shared<UserLinks>(executor, config_.socket, gate_)) {}
@@ -125,7 +110,7 @@ awaitable<void> Bridge::look(std::shared_ptr<Bridge> self) {
       if (auto birth = self->births_.due(now)) self->calls_.outbox.add_news(std::move(*birth));
       self->flush(self->calls_);
     }
-    self->on_turn_();
+    self->parts_.on_turn();
     co_await tmcld::rest(look_interval);
   }
 }
@@ -269,7 +254,7 @@ awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::stri
   auto on_room = [weak = weak_from_this(), &line] {
     if (const auto self = weak.lock()) self->flush(line);
   };
-  auto connecting = connect_to_broker(workers_, std::move(options), on_message, on_room);
+  auto connecting = parts_.connect(std::move(options), on_message, on_room);
   auto connected = co_await std::move(connecting);
   tl::expected<void, std::string> result;
   if (connected) {

@@ -10,8 +10,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 
-#include "async/workers.hpp"
-#include "io/broker.hpp"
+#include "broker/broker.hpp"
 #include "io/gateway_link.hpp"
 #include "io/user_links.hpp"
 #include "log/limiter.hpp"
@@ -23,11 +22,16 @@
 
 namespace tmclmqtt {
 
+/// What a bridge is given by its program.
+struct BridgeParts {
+  ConnectToBroker connect;
+  std::function<std::string()> draw;  ///< See Nonces.
+  std::function<void()> on_turn;      ///< Called ten times a second while the reactor turns.
+};
+
 class Bridge : public std::enable_shared_from_this<Bridge> {
  public:
-  /// `on_turn`: called ten times a second while the reactor turns.
-  Bridge(const boost::asio::any_io_executor& executor, MqttConfig config,
-         std::function<void()> on_turn);
+  Bridge(const boost::asio::any_io_executor& executor, MqttConfig config, BridgeParts parts);
 
   void start();
   /// Says farewell to the broker, and closes everything.
@@ -76,8 +80,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   boost::asio::any_io_executor executor_;
   tmcl::ContextClock clock_;
   MqttConfig config_;
-  std::function<void()> on_turn_;
-  tmcld::Workers workers_{1};
+  BridgeParts parts_;
   Gate gate_;
   Births births_;
   AxisNews news_;

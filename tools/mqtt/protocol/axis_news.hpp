@@ -11,7 +11,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "protocol/message.hpp"
+#include "broker/message.hpp"
 #include "protocol/topics.hpp"
 #include "tmcl/clock.hpp"
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocol/message.hpp"
+#include "broker/message.hpp"
 #include "tmcl/clock.hpp"
 
 namespace tmclmqtt {

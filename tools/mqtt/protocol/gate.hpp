@@ -13,9 +13,9 @@
 
 #include <boost/json/object.hpp>
 
+#include "broker/message.hpp"
 #include "gateway/authority/gaps.hpp"
 #include "protocol/call_rate.hpp"
-#include "protocol/message.hpp"
 #include "protocol/nonces.hpp"
 #include "protocol/topics.hpp"
 #include "tmcl/client_error.hpp"

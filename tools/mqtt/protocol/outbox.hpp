@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "protocol/message.hpp"
+#include "broker/message.hpp"
 
 namespace tmclmqtt {
 

@@ -1,33 +1,11 @@
 #include "protocol/topics.hpp"
 
 #include <algorithm>
-#include <array>
-#include <vector>
 
 namespace tmclmqtt {
 namespace {
 
-constexpr std::string_view root = "tmcl/v1/";
 constexpr std::string_view reply_root = "tmcl/v1/reply/";
-// Topics of all gateways begin with them.
-constexpr std::array<std::string_view, 2> words_of_all{"all", "reply"};
-
-bool is_level(std::string_view text) {
-  constexpr std::string_view known =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.@";
-  return !text.empty() && text.size() <= max_level_bytes &&
-         text.find_first_not_of(known) == text.npos;
-}
-
-std::vector<std::string_view> levels_of(std::string_view topic) {
-  std::vector<std::string_view> levels;
-  while (true) {
-    const auto end = topic.find('/');
-    levels.push_back(topic.substr(0, end));
-    if (end == topic.npos) return levels;
-    topic.remove_prefix(end + 1);
-  }
-}
 
 std::optional<Topic> call_topic(std::string_view role, std::string_view user,
                                 std::string_view method) {
@@ -39,14 +17,10 @@ std::optional<Topic> call_topic(std::string_view role, std::string_view user,
 
 }  // namespace
 
-bool is_gateway_name(std::string_view name) {
-  return is_level(name) && std::ranges::count(words_of_all, name) == 0;
-}
-
 Topics::Topics(std::string_view gateway)
-    : gateway_(gateway), own_(std::string(root) + gateway_ + '/') {}
+    : gateway_(gateway), own_(std::string(topic_root) + gateway_ + '/') {}
 
-std::string Topics::stop_of_all() { return std::string(root) + "all/stop"; }
+std::string Topics::stop_of_all() { return std::string(topic_root) + "all/stop"; }
 
 std::optional<Topic> Topics::read(std::string_view topic) const {
   if (topic == stop_of_all()) return StopTopic{true};
@@ -67,7 +41,7 @@ std::optional<std::string> Topics::reply(std::string_view response_topic,
   const auto levels = levels_of(response_topic.substr(reply_root.size()));
   if (levels.size() < 3 || !std::ranges::all_of(levels, is_level)) return std::nullopt;
   if (user && levels[0] != *user) return std::nullopt;
-  const bool is_for_all = !user && levels[1] == words_of_all[0];
+  const bool is_for_all = !user && levels[1] == level_of_all;
   if (levels[1] != gateway_ && !is_for_all) return std::nullopt;
   auto topic = std::string(reply_root) + std::string(levels[0]) + '/' + gateway_;
   for (std::size_t i = 2; i < levels.size(); ++i) topic += '/' + std::string(levels[i]);

@@ -6,20 +6,15 @@
 #include <string_view>
 #include <variant>
 
+#include "broker/topic_levels.hpp"
 #include "config/config.hpp"
 
 namespace tmclmqtt {
 
 using tmcld::Role;
 
-/// Of a gateway, of a user, of a method: a level of a topic.
-constexpr std::size_t max_level_bytes = 64;
 /// Of a topic that answers go to.
 constexpr std::size_t max_reply_topic_bytes = 256;
-
-/// 1 to 64 letters, digits, '_', '-', '.', '@', and none of the words that other topics begin with:
-/// no wildcard, no '/', nothing that a certificate cannot name.
-bool is_gateway_name(std::string_view name);
 
 struct CallTopic {
   Role role = Role::stop;

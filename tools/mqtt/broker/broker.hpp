@@ -11,7 +11,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
-#include "protocol/message.hpp"
+#include "broker/message.hpp"
 
 namespace tmcld {
 class Workers;
@@ -27,7 +27,11 @@ struct BrokerOptions {
   std::string ca{};
   std::string certificate{};
   std::string key{};
+  /// For a broker that asks for them; empty: the certificate says who it is.
+  std::string user{};
+  std::string password{};
   std::optional<Publication> will{};
+  std::uint32_t max_packet_bytes = tmclmqtt::max_packet_bytes;
 };
 
 struct Subscribed {
@@ -52,10 +56,15 @@ class Broker {
   virtual void disconnect() = 0;
 };
 
+using Connected = tl::expected<std::shared_ptr<Broker>, std::string>;
+/// Of connect_to_broker(), or of a broker in the same process. `on_room`: see Broker::has_room().
+using ConnectToBroker = std::function<boost::asio::awaitable<Connected>(
+    BrokerOptions options, Broker::OnMessage on_message, std::function<void()> on_room)>;
+
 /// Returns when the broker has let it in. Name and TCP are waited for on a thread of `workers`.
 /// Messages come from then on, in turns of the reactor of their own. Errors: why, in a sentence.
-boost::asio::awaitable<tl::expected<std::shared_ptr<Broker>, std::string>> connect_to_broker(
-    tmcld::Workers& workers, BrokerOptions options, Broker::OnMessage on_message,
-    std::function<void()> on_room);
+boost::asio::awaitable<Connected> connect_to_broker(tmcld::Workers& workers, BrokerOptions options,
+                                                    Broker::OnMessage on_message,
+                                                    std::function<void()> on_room);
 
 }  // namespace tmclmqtt

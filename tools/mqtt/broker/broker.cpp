@@ -1,4 +1,4 @@
-#include "io/broker.hpp"
+#include "broker/broker.hpp"
 
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
@@ -49,6 +49,9 @@ class Properties {
 
   void add_number(int id, std::uint32_t value) {
     ::mosquitto_property_add_int32(&list_, id, value);
+  }
+  void add_text(int id, const std::string& text) {
+    ::mosquitto_property_add_string(&list_, id, text.c_str());
   }
   void add_bytes(int id, const std::string& bytes) {
     ::mosquitto_property_add_binary(&list_, id, bytes.data(),
@@ -175,6 +178,11 @@ std::string MosquittoBroker::prepare() {
     error = ::mosquitto_tls_set(client_, file(options_.ca), nullptr, file(options_.certificate),
                                 file(options_.key), nullptr);
   }
+  if (error == MOSQ_ERR_SUCCESS && !options_.user.empty()) {
+    error = ::mosquitto_username_pw_set(
+        client_, options_.user.c_str(),
+        options_.password.empty() ? nullptr : options_.password.c_str());
+  }
   if (error != MOSQ_ERR_SUCCESS) return "libmosquitto: " + std::string(::mosquitto_strerror(error));
   ::mosquitto_connect_v5_callback_set(
       client_, [](mosquitto*, void* self, int reason, int, const mosquitto_property*) {
@@ -197,7 +205,7 @@ std::string MosquittoBroker::prepare() {
 
 int MosquittoBroker::connect() {
   Properties properties;
-  properties.add_number(MQTT_PROP_MAXIMUM_PACKET_SIZE, max_packet_bytes);
+  properties.add_number(MQTT_PROP_MAXIMUM_PACKET_SIZE, options_.max_packet_bytes);
   return ::mosquitto_connect_bind_v5(client_, options_.host.c_str(), options_.port, keep_alive_s,
                                      nullptr, properties.list());
 }
@@ -290,6 +298,8 @@ Broker::Sent MosquittoBroker::publish(const Publication& publication) {
   Properties properties;
   if (publication.expiry_s)
     properties.add_number(MQTT_PROP_MESSAGE_EXPIRY_INTERVAL, *publication.expiry_s);
+  if (!publication.response_topic.empty())
+    properties.add_text(MQTT_PROP_RESPONSE_TOPIC, publication.response_topic);
   if (!publication.correlation.empty())
     properties.add_bytes(MQTT_PROP_CORRELATION_DATA, publication.correlation);
   const int error = ::mosquitto_publish_v5(
@@ -320,9 +330,9 @@ std::string why_not_connected(int error) {
 
 }  // namespace
 
-awaitable<tl::expected<std::shared_ptr<Broker>, std::string>> connect_to_broker(
-    tmcld::Workers& workers, BrokerOptions options, Broker::OnMessage on_message,
-    std::function<void()> on_room) {
+awaitable<Connected> connect_to_broker(tmcld::Workers& workers, BrokerOptions options,
+                                       Broker::OnMessage on_message,
+                                       std::function<void()> on_room) {
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto broker = std::make_shared<MosquittoBroker>(executor, std::move(options),
                                                         std::move(on_message), std::move(on_room));

@@ -28,6 +28,7 @@ struct Publication {
   bool retained = false;
   int qos = 0;
   std::optional<std::uint32_t> expiry_s{};
+  std::string response_topic{};
   std::string correlation{};
 
   bool operator==(const Publication&) const = default;
