@@ -131,6 +131,18 @@ TEST_F(MqttAxisNews, TellsStatesAgainBeforeTheBrokerDropsThem) {
   EXPECT_THAT(news.all_states(now), IsEmpty());
 }
 
+TEST_F(MqttAxisNews, TakesStatesOffTheBrokerOfAxesThatHaveGone) {
+  hear(state_at(0));
+  auto other = state_at(0);
+  other["axis"] = "y";
+  hear(other);
+  const auto cleared = news.keep_only({"x", "z"});
+  ASSERT_THAT(cleared, SizeIs(1));
+  EXPECT_EQ(cleared[0], (Publication{.topic = "tmcl/v1/hall/state/y", .retained = true}));
+  EXPECT_THAT(news.keep_only({"x", "z"}), IsEmpty());
+  EXPECT_EQ(news.all_states(now).size(), 1U);
+}
+
 TEST_F(MqttAxisNews, IsNotLedAstrayByOtherTexts) {
   EXPECT_THAT(hear({}), IsEmpty());
   EXPECT_THAT(hear({{"axis", 7}}), IsEmpty());

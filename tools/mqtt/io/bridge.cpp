@@ -186,7 +186,7 @@ awaitable<void> Bridge::list_axes(std::shared_ptr<Bridge> self) {
   const auto axes = co_await std::move(asking);
   if (!axes || self->gateway_ != link) co_return;
   self->axes_ = names_in(*axes);
-  self->news_.keep_only(self->axes_);
+  self->add_news(self->news_.keep_only(self->axes_));
   self->say_birth();
 }
 

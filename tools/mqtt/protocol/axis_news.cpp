@@ -100,6 +100,16 @@ std::vector<Publication> AxisNews::due(tmcl::TimePoint now) {
   return news;
 }
 
+std::vector<Publication> AxisNews::keep_only(const std::vector<std::string>& axes) {
+  std::vector<Publication> cleared;
+  std::erase_if(axes_, [&](const auto& axis) {
+    const bool has_gone = std::ranges::count(axes, axis.first) == 0;
+    if (has_gone) cleared.push_back({.topic = topics_.state(axis.first), .retained = true});
+    return has_gone;
+  });
+  return cleared;
+}
+
 std::vector<Publication> AxisNews::all_states(tmcl::TimePoint now) {
   std::vector<Publication> news;
   for (auto& [axis, told] : axes_) news.push_back(state_of(axis, told, now));

@@ -2,7 +2,6 @@
 /// one moves, twice a second at most and only while a user wants it. Does no I/O, reads no clock.
 #pragma once
 
-#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -37,11 +36,8 @@ class AxisNews {
   std::vector<Publication> all_states(tmcl::TimePoint now);
   /// tmcld has gone, or has other axes.
   void forget_axes() { axes_.clear(); }
-  /// The others are not there any more.
-  void keep_only(const std::vector<std::string>& axes) {
-    std::erase_if(axes_,
-                  [&](const auto& axis) { return std::ranges::count(axes, axis.first) == 0; });
-  }
+  /// The others are not there any more: their states are taken off the broker.
+  std::vector<Publication> keep_only(const std::vector<std::string>& axes);
 
  private:
   struct AxisTold {
