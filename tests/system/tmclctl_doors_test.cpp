@@ -35,6 +35,8 @@ const std::vector<std::string> lines{
     "restore 1/0 max_velocity",
     "store 1/0 target_position",
     "params 3/1 --values",
+    "call axis.get_units {\"axis\":\"3/1\"}",
+    "call axis.got {\"axis\":\"3/1\"}",
     "ramp 3/1 --velocity 100000pps --acceleration 1000000pps/s",
     "ramp 3/1 --time 500ms --distance 20000",
     "resonance 3/1 --distance 500 --for 0.1",

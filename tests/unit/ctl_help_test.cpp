@@ -140,6 +140,8 @@ TEST(CtlHelp, NamesVerbsAndNoMethods) {
   auto helps = all_verbs();
   helps.emplace_back();
   for (const auto& verb : helps) {
+    // That one calls methods by their names.
+    if (joined(verb) == "call") continue;
     const auto help = help_of(verb);
     EXPECT_EQ(with_verbs(help), help) << joined(verb);
   }

@@ -33,6 +33,7 @@ constexpr int keep_alive_s = 10;
 constexpr auto let_in_timeout = std::chrono::seconds(5);
 constexpr auto housekeeping_interval = std::chrono::seconds(1);
 constexpr std::uint32_t will_delay_s = 1;
+constexpr const char* authorities_of_system = "/etc/ssl/certs";
 
 /// Calls of libmosquitto's are allowed from any thread, but here from one at a time.
 void begin_library() {
@@ -174,9 +175,10 @@ std::string MosquittoBroker::prepare() {
                                     will->qos, will->retained, of_will.release());
   }
   const auto file = [](const std::string& path) { return path.empty() ? nullptr : path.c_str(); };
-  if (error == MOSQ_ERR_SUCCESS && !options_.ca.empty()) {
-    error = ::mosquitto_tls_set(client_, file(options_.ca), nullptr, file(options_.certificate),
-                                file(options_.key), nullptr);
+  if (error == MOSQ_ERR_SUCCESS && (!options_.ca.empty() || options_.trusts_system)) {
+    error = ::mosquitto_tls_set(client_, file(options_.ca),
+                                options_.ca.empty() ? authorities_of_system : nullptr,
+                                file(options_.certificate), file(options_.key), nullptr);
   }
   if (error == MOSQ_ERR_SUCCESS && !options_.user.empty()) {
     error = ::mosquitto_username_pw_set(
@@ -287,8 +289,8 @@ void MosquittoBroker::lose(std::string why) {
 
 void MosquittoBroker::subscribe(const Subscribed& to) {
   if (lost_) return;
-  const int options =
-      MQTT_SUB_OPT_NO_LOCAL | MQTT_SUB_OPT_RETAIN_AS_PUBLISHED | MQTT_SUB_OPT_SEND_RETAIN_ALWAYS;
+  const int options = (to.own ? 0 : MQTT_SUB_OPT_NO_LOCAL) | MQTT_SUB_OPT_RETAIN_AS_PUBLISHED |
+                      MQTT_SUB_OPT_SEND_RETAIN_ALWAYS;
   note(::mosquitto_subscribe_v5(client_, nullptr, to.filter.c_str(), to.qos, options, nullptr));
   has_output_.notify();
 }

@@ -23,8 +23,9 @@ struct BrokerOptions {
   std::string host;
   std::uint16_t port = 0;
   std::string client_id;
-  /// Paths of PEM files; without `ca` there is no TLS.
+  /// Paths of PEM files; without `ca` there is no TLS, unless the system's authorities vouch.
   std::string ca{};
+  bool trusts_system = false;
   std::string certificate{};
   std::string key{};
   /// For a broker that asks for them; empty: the certificate says who it is.
@@ -37,6 +38,7 @@ struct BrokerOptions {
 struct Subscribed {
   std::string filter;
   int qos = 0;
+  bool own = false;  ///< Also what this connection publishes.
 };
 
 /// Its session is a clean one, and none is kept: what comes while it is not connected never comes.

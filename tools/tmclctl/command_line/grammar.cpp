@@ -191,6 +191,7 @@ std::string doors_text(const Access& verb) {
   switch (verb.doors) {
     case Doors::both: return "Goes through tmcld, and straight on a bus with --direct.\n";
     case Doors::tmcld_only: return fmt::format("Goes through tmcld only: {}.\n", verb.reason);
+    case Doors::fleet_only: return {};
     case Doors::offline: return fmt::format("Needs neither tmcld nor a bus: {}.\n", verb.reason);
   }
   return {};
@@ -205,6 +206,14 @@ CLI::App& Grammar::add_verb(CLI::App& parent, const std::string& name, const Acc
   verbs_[&verb].info = {access, full_name(verb)};
   order_.push_back(&verb);
   return verb;
+}
+
+void Grammar::add_fleet_door(CLI::App& app) {
+  auto& info = verbs_.at(&app).info;
+  info.in_fleet = true;
+  app.footer(app.get_footer() + (info.doors == Doors::fleet_only
+                                     ? "Goes through a broker, which --fleet names.\n"
+                                     : "With --fleet on many gateways at once.\n"));
 }
 
 Form Grammar::group(const std::string& name, const std::string& description, const char* footer) {

@@ -19,6 +19,9 @@ using RunOnGateway = Result<ExitCode> (*)(const T& said, Context& context);
 /// And without one.
 template <class T>
 using RunAlone = Result<ExitCode> (*)(const T& said, Output& output);
+/// And on many gateways at once.
+template <class T>
+using RunInFleet = Result<ExitCode> (*)(const T& said, Fleet& fleet);
 
 class Grammar;
 
@@ -37,6 +40,8 @@ class VerbForm : public Form {
   void on_ports(bool (*when)(const T& said),
                 Result<ExitCode> (*run)(const T& said, const Where& where, Output& output,
                                         Host& host));
+  /// What it does with --fleet.
+  void in_fleet(RunInFleet<T> run);
   /// What it does where no gateway is reached.
   void unreached(Result<ExitCode> (*run)(const T& said, const Error& error, const Where& where,
                                          Output& output));
@@ -65,6 +70,15 @@ class Grammar {
                    const std::string& description, const char* footer, RunAlone<T> run) {
     return add<T>(group, name, access, description, footer,
                   [run](const T& said) { return alone(said, run); });
+  }
+  template <class T>
+  VerbForm<T> verb(const Form& group, const std::string& name, const Access& access,
+                   const std::string& description, const char* footer, RunInFleet<T> run) {
+    auto form = add<T>(group, name, access, description, footer, [](const T& said) {
+      return Verb{said, {}, {}};
+    });
+    form.in_fleet(run);
+    return form;
   }
   template <class T>
   VerbForm<T> verb(const std::string& name, const Access& access, const std::string& description,
@@ -105,6 +119,8 @@ class Grammar {
   }
   CLI::App& add_verb(CLI::App& parent, const std::string& name, const Access& access,
                      const std::string& description, const char* footer);
+  /// Its help says so.
+  void add_fleet_door(CLI::App& app);
   template <class T>
   static Verb on_gateway(const T& said, RunOnGateway<T> run) {
     return {said, [said, run](Context& context) { return run(said, context); }, {}};
@@ -146,6 +162,17 @@ void VerbForm<T>::on_ports(bool (*when)(const T&),
     verb.run_on_ports = [said = *values, run](const Where& where, Output& output, Host& host) {
       return run(said, where, output, host);
     };
+    return verb;
+  };
+}
+
+template <class T>
+void VerbForm<T>::in_fleet(RunInFleet<T> run) {
+  grammar_->add_fleet_door(app());
+  auto& said = grammar_->verbs_.at(&app()).said;
+  said = [values = values_, run, on_gateway = std::move(said)] {
+    auto verb = on_gateway();
+    verb.run_in_fleet = [said = *values, run](Fleet& fleet) { return run(said, fleet); };
     return verb;
   };
 }

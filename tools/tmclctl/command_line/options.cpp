@@ -146,7 +146,24 @@ Parser::Parser() {
       ->type_name("FILE")
       ->take_last();
   app_.add_option("--ca", options_.where.web.ca_file,
-                  "With --url: certificate that vouches for that of tmcld")
+                  "With --url or --fleet: certificate that vouches for that of tmcld or the broker")
+      ->type_name("FILE")
+      ->take_last();
+  app_.add_option("--fleet", options_.where.fleet.url,
+                  "Many gateways, on this broker: mqtts://[USER@]HOST[:PORT], or mqtt://...")
+      ->type_name("URL")
+      ->take_last();
+  Form(app_).option("-g,--gateways", "NAMES", "With --fleet: only these, such as hall1,'hall3-*'",
+                    list(options_.where.fleet.gateways));
+  app_.add_option("--cert", options_.where.fleet.certificate_file,
+                  "With --fleet: certificate that says who this is")
+      ->type_name("FILE")
+      ->take_last();
+  app_.add_option("--key", options_.where.fleet.key_file, "With --fleet: key of that")
+      ->type_name("FILE")
+      ->take_last();
+  app_.add_option("--password-file", options_.where.fleet.password_file,
+                  "With --fleet: file with the password of USER")
       ->type_name("FILE")
       ->take_last();
   app_.add_option("--direct", options_.where.direct,
@@ -364,8 +381,19 @@ std::optional<Error> Parser::conflicting_options() const {
   const auto& web = options_.where.web;
   if (!web.url.empty() && !(options_.where.socket.empty() && options_.where.direct.empty()))
     return usage_error("usage", "--url goes with neither --socket nor --direct");
-  if (web.url.empty() && !(web.token_file.empty() && web.ca_file.empty()))
-    return usage_error("usage", "--token-file and --ca go with --url");
+  const auto& fleet = options_.where.fleet;
+  if (!fleet.url.empty() && !(web.url.empty() && options_.where.socket.empty() &&
+                              options_.where.direct.empty() && web.token_file.empty()))
+    return usage_error("usage", "--fleet goes with neither --socket, --direct nor --url");
+  if (web.url.empty() && !web.token_file.empty())
+    return usage_error("usage", "--token-file goes with --url");
+  if (web.url.empty() && fleet.url.empty() && !web.ca_file.empty())
+    return usage_error("usage", "--ca goes with --url or --fleet");
+  if (fleet.url.empty() && !(fleet.gateways.empty() && fleet.certificate_file.empty() &&
+                             fleet.key_file.empty() && fleet.password_file.empty()))
+    return usage_error("usage", "--gateways, --cert, --key and --password-file go with --fleet");
+  if (fleet.certificate_file.empty() != fleet.key_file.empty())
+    return usage_error("usage", "--cert and --key go together");
   if (!options_.where.config.empty() && options_.where.direct.empty()) {
     return usage_error("usage",
                        "--config goes with --direct: a running tmcld has read its own file");

@@ -22,6 +22,8 @@
 
 namespace tmclctl {
 
+struct Fleet;
+
 /// How far an axis may go that is measured: as typed, from where it stands; empty: to its soft
 /// limits.
 struct MeasuredTravel {
@@ -489,6 +491,25 @@ struct Page {
   bool phone = false;
   std::string token = "phone";
 };
+/// Any method, by its name.
+struct Call {
+  std::string method;
+  std::string params;  ///< A JSON object; empty: none.
+  std::string role;    ///< With --fleet; empty: the one that the method needs.
+  std::optional<double> timeout_s;
+};
+struct FleetGateways {};
+/// What files in a folder say of gateways.
+struct FleetApply {
+  std::string folder;
+  bool dry_run = false;
+  bool store = false;
+};
+struct FleetTop {
+  std::chrono::milliseconds interval{500};
+  bool axes = false;
+  bool internal = false;
+};
 struct BreakLease {
   std::string axis;
 };
@@ -507,6 +528,8 @@ struct Verb {
   std::function<Result<ExitCode>(Output&)> run_alone;  ///< Empty where one is.
   /// Instead of both: opens what it needs by itself.
   std::function<Result<ExitCode>(const Where&, Output&, Host&)> run_on_ports{};
+  /// With --fleet; empty where the verb is for one gateway.
+  std::function<Result<ExitCode>(Fleet&)> run_in_fleet{};
   /// Instead of the error that no gateway is reached; empty: that is the end.
   std::function<Result<ExitCode>(const Error&, const Where&, Output&)> run_unreached{};
 };

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "command_line/options.hpp"
+#include "fleet/fleet.hpp"
 #include "output/print.hpp"
 #include "verbs/ask.hpp"
 
@@ -75,6 +76,26 @@ Result<ExitCode> run_on_gateway(const Options& options, Output& output, Host& ho
   return result;
 }
 
+/// The verbs that do something with --fleet.
+std::string verbs_of_fleets() {
+  std::string names;
+  for (const auto& verb : verb_table())
+    if (verb.in_fleet) names += (names.empty() ? "" : ", ") + verb.name;
+  return names;
+}
+
+std::optional<Error> refusal_by_fleet(const Options& options) {
+  const auto& info = options.info;
+  const bool is_fleet = !options.where.fleet.url.empty();
+  if (info && is_fleet && !info->in_fleet)
+    return usage_error("usage", fmt::format("'tmclctl {}' does nothing with --fleet", info->name),
+                       "with --fleet go: " + verbs_of_fleets());
+  if (info && !is_fleet && info->doors == Doors::fleet_only)
+    return usage_error(
+        "usage", fmt::format("'tmclctl {}' needs a broker: --fleet mqtts://HOST", info->name));
+  return {};
+}
+
 std::optional<Error> refusal(const Options& options) {
   const auto& info = options.info;
   if (options.where.direct.empty() || !info || info->doors != Doors::tmcld_only) return {};
@@ -82,10 +103,22 @@ std::optional<Error> refusal(const Options& options) {
                                                      info->name, info->reason));
 }
 
+Result<ExitCode> run_in_fleet(const Options& options, Output& output, Host& host) {
+  auto place = options.where.fleet;
+  place.ca_file = options.where.web.ca_file;
+  const auto link = open_fleet(place, host);
+  if (!link) return tl::unexpected(link.error());
+  Fleet fleet(**link, place, output, host);
+  return options.verb.run_in_fleet(fleet);
+}
+
 Result<ExitCode> run(const Options& options, Output& output, Host& host, Gateway* ready) {
+  if (auto refused = refusal_by_fleet(options)) return tl::unexpected(std::move(*refused));
   if (options.verb.run_alone) return options.verb.run_alone(output);
   if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
   host.catch_signals();
+  if (options.verb.run_in_fleet && !options.where.fleet.url.empty())
+    return run_in_fleet(options, output, host);
   if (options.verb.run_on_ports) return options.verb.run_on_ports(options.where, output, host);
   return run_on_gateway(options, output, host, ready);
 }

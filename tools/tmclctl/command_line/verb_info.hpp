@@ -12,6 +12,7 @@ enum class Doors : std::uint8_t {
   both,        ///< Through tmcld, and with --direct.
   tmcld_only,  ///< Refused with --direct.
   offline,     ///< Needs neither.
+  fleet_only,  ///< Through a broker, with --fleet.
 };
 
 enum class VerbEffect : std::uint8_t {
@@ -33,13 +34,17 @@ inline constexpr Access tells{Doors::both, VerbEffect::tells};
 constexpr Access tmcld_only(VerbEffect effect, std::string_view reason) {
   return {Doors::tmcld_only, effect, reason};
 }
+constexpr Access fleet_only(VerbEffect effect) {
+  return {Doors::fleet_only, effect, "it is about many gateways"};
+}
 constexpr Access offline(std::string_view reason) {
   return {Doors::offline, VerbEffect::reads, reason};
 }
 }  // namespace access
 
 struct VerbInfo : Access {
-  std::string name;  ///< As it is typed: "path run".
+  std::string name;       ///< As it is typed: "path run".
+  bool in_fleet = false;  ///< Also on many gateways at once, with --fleet.
 };
 
 /// All verbs.

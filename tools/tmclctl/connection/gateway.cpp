@@ -45,7 +45,10 @@ std::string options_of(const Where& where) {
   add("--socket", where.socket);
   add("--url", where.web.url);
   add("--token-file", where.web.token_file);
+  add("--fleet", where.fleet.url);
   add("--ca", where.web.ca_file);
+  add("--cert", where.fleet.certificate_file);
+  add("--key", where.fleet.key_file);
   add("--direct", where.direct);
   add("--config", where.config);
   if (where.reply_timeout_ms) add("--reply-timeout", std::to_string(*where.reply_timeout_ms));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "fleet/fleet_place.hpp"
 #include "host.hpp"
 #include "output/errors.hpp"
 #include "output/screen.hpp"
@@ -25,6 +26,7 @@ constexpr std::string_view default_socket = "/run/tmcld/tmcld.sock";
 struct Where {
   std::string socket;  ///< Empty: $TMCLD_SOCKET, else default_socket.
   WebPlace web{};      ///< A daemon in the network; an empty URL: the socket.
+  FleetPlace fleet{};  ///< Many gateways, on a broker; an empty URL: one gateway.
   std::string direct;  ///< Name of a link; empty: through the daemon.
   std::string config;  ///< With a link: the file that says how its axes are called; may be empty.
   std::optional<std::int32_t> reply_timeout_ms;  ///< With a link; nothing: what the file says.

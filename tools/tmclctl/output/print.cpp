@@ -178,6 +178,14 @@ std::string velocity_text(const AxisReading& reading, bool internal) {
                reading.velocity_internal);
 }
 
+std::string remark_on(const AxisReading& reading) {
+  if (!reading.faults.empty()) return joined(reading.faults);
+  if (reading.latched) return "latched";
+  if (reading.moving) return "moving";
+  if (reading.stop_cause) return "stopped: " + *reading.stop_cause;
+  return reading.position_reached ? "at target" : "standing";
+}
+
 std::string_view access_text(bool writable, bool stored) {
   if (!writable) return "R";
   return stored ? "RWE" : "RW";

@@ -63,6 +63,9 @@ std::string position_text(const AxisReading& reading, bool internal);
 std::string target_text(const AxisReading& reading, bool internal);
 std::string velocity_text(const AxisReading& reading, bool internal);
 
+/// What a person should know of an axis, in a word or two.
+std::string remark_on(const AxisReading& reading);
+
 /// "R", "RW" or, for what can be kept in the EEPROM, "RWE".
 std::string_view access_text(bool writable, bool stored);
 

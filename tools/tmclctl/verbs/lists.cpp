@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "axis/scale_factors.hpp"
+#include "fleet/fleet_verbs.hpp"
 #include "output/print.hpp"
 #include "verbs.hpp"
 
@@ -208,8 +209,9 @@ ACCESS is R (can be read), RW (and set), or RWE (and stored in the EEPROM, with 
 }  // namespace
 
 void add_lists(Grammar& grammar) {
-  grammar.verb<verb::Axes>("axes", access::reads, "List the axes and how they are called",
-                           axes_help, run);
+  auto axes = grammar.verb<verb::Axes>("axes", access::reads,
+                                       "List the axes and how they are called", axes_help, run);
+  axes.in_fleet(run_in_fleet);
   auto params = grammar.verb<verb::Params>(
       "params", access::reads, "List the parameters of an axis or a model", params_help, run);
   params.optional_word("AXIS", axis_meaning, text(params->axis));

@@ -5,6 +5,7 @@
 #include <boost/json/array.hpp>
 
 #include "axis/scale_factors.hpp"
+#include "fleet/fleet_verbs.hpp"
 #include "output/print.hpp"
 #include "verbs.hpp"
 
@@ -27,15 +28,6 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
 }
 
 // ---- all axes
-
-/// What a person should know of it, in a word or two.
-std::string remark_on(const AxisReading& reading) {
-  if (!reading.faults.empty()) return joined(reading.faults);
-  if (reading.latched) return "latched";
-  if (reading.moving) return "moving";
-  if (reading.stop_cause) return "stopped: " + *reading.stop_cause;
-  return reading.position_reached ? "at target" : "standing";
-}
 
 Result<ExitCode> run_on_all(const verb::State& verb, Context& context) {
   const auto axes = axes_of(context);
@@ -118,6 +110,7 @@ void add_state(Grammar& grammar) {
                                          "Show where an axis is and what it does", state_help, run);
   state.optional_word("AXIS", axis_meaning, text(state->axis));
   state.internal(state->internal);
+  state.in_fleet(run_in_fleet);
 }
 
 }  // namespace tmclctl

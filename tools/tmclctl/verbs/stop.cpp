@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "axis/arrival_wait.hpp"
+#include "fleet/fleet_verbs.hpp"
 #include "output/print.hpp"
 #include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"
@@ -165,6 +166,7 @@ void add_stop(Grammar& grammar) {
         return said.axis.empty() != said.all ? "name one axis, or say --all" : "";
       },
       "'tmclctl axes' lists the axes");
+  stop.in_fleet(run_in_fleet);
 }
 
 }  // namespace tmclctl

@@ -40,6 +40,7 @@ void add_verbs(Grammar& grammar) {
   add_inputs(grammar);
   add_module(grammar);
   add_raw(grammar);
+  add_call(grammar);
   add_firmware(grammar);
   add_solve(grammar, add_profile(grammar));
   add_mint_run(grammar, add_mint(grammar));
@@ -50,6 +51,7 @@ void add_verbs(Grammar& grammar) {
   const auto program = add_program(grammar);
   add_module_programs(grammar, program);
   add_program_debug(grammar, program);
+  add_fleet_apply(grammar, add_fleet(grammar));
   add_ramp(grammar);
   add_resonance(grammar);
   add_convert(grammar);
