@@ -3,6 +3,7 @@ import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 import { defineConfig } from "vite";
+import { oneFile } from "./one_file.js";
 
 const compressible = /\.(html|js|css|svg|webmanifest)$/;
 
@@ -39,14 +40,23 @@ function compressed() {
   };
 }
 
-export default defineConfig({
+// The page of a fleet is one file beside the others: `vite build --mode fleet`, after them.
+const ofFleet = {
+  emptyOutDir: false,
+  cssCodeSplit: false,
+  rollupOptions: { input: "fleet.html", output: { format: "iife", inlineDynamicImports: true } },
+};
+
+export default defineConfig(({ mode }) => ({
   esbuild: { jsx: "automatic", jsxImportSource: "preact" },
+  publicDir: mode === "fleet" ? false : "public",
   build: {
     outDir: process.env.TMCL_PAGE_FOLDER,
     emptyOutDir: true,
     // The page may not load what is written into an address.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
+    ...(mode === "fleet" ? ofFleet : {}),
   },
-  plugins: [compressed()],
-});
+  plugins: [...(mode === "fleet" ? [oneFile()] : []), compressed()],
+}));

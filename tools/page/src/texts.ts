@@ -1,4 +1,33 @@
-// All texts of the page.
+// All texts of the page, but for those of a fleet: src/fleet/texts.ts.
+
+export const stopCauses: Record<string, string> = {
+  stall: "a stall",
+  left_limit: "the left limit switch",
+  right_limit: "the right limit switch",
+  deviation: "too large a deviation of the encoder",
+  deadman: "the deadman of its module",
+  supply: "a failure of the supply",
+  client: "a client",
+  lease_lost: "the loss of a lease",
+  search_limit: "the limit of a reference search",
+  daemon: "tmcld",
+  velocity_mode: "something else than tmcld",
+  unknown: "an unknown cause",
+};
+
+export const faultNames: Record<string, string> = {
+  stall: "stall",
+  deviation: "encoder deviates",
+  overtemperature: "driver too hot",
+  overtemperature_warning: "driver gets hot",
+  short_to_ground_a: "phase A shorted to ground",
+  short_to_ground_b: "phase B shorted to ground",
+  open_load_a: "phase A open",
+  open_load_b: "phase B open",
+  undervoltage: "supply too low",
+  overvoltage: "supply too high",
+  i2t_exceeded: "current too high for too long",
+};
 
 export const texts = {
   title: "Bench",
@@ -346,32 +375,6 @@ export const texts = {
 
   deadmen: { unknown: "not known", none: "none", measured: (ms: number) => `after ${ms} ms, measured` } as const,
 
-  stopCauses: {
-    stall: "a stall",
-    left_limit: "the left limit switch",
-    right_limit: "the right limit switch",
-    deviation: "too large a deviation of the encoder",
-    deadman: "the deadman of its module",
-    supply: "a failure of the supply",
-    client: "a client",
-    lease_lost: "the loss of a lease",
-    search_limit: "the limit of a reference search",
-    daemon: "tmcld",
-    velocity_mode: "something else than tmcld",
-    unknown: "an unknown cause",
-  } as Record<string, string>,
-
-  faultNames: {
-    stall: "stall",
-    deviation: "encoder deviates",
-    overtemperature: "driver too hot",
-    overtemperature_warning: "driver gets hot",
-    short_to_ground_a: "phase A shorted to ground",
-    short_to_ground_b: "phase B shorted to ground",
-    open_load_a: "phase A open",
-    open_load_b: "phase B open",
-    undervoltage: "supply too low",
-    overvoltage: "supply too high",
-    i2t_exceeded: "current too high for too long",
-  } as Record<string, string>,
+  stopCauses,
+  faultNames,
 };
