@@ -4,7 +4,7 @@ import { cp, mkdtemp, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { createConnection, createServer } from "node:net";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { chromium } from "playwright-core";
 
 const programs = process.env.TMCL_BIN;
@@ -22,10 +22,11 @@ export async function until(what, condition) {
   }
 }
 
-class Program {
+export class Program {
+  /** `name`: of this project, or a path. */
   constructor(name, ...words) {
     this.output = "";
-    this.process = spawn(join(programs, name), words);
+    this.process = spawn(resolve(programs, name), words);
     for (const stream of [this.process.stdout, this.process.stderr]) stream.on("data", (text) => (this.output += text));
     this.ended = new Promise((done) => this.process.on("exit", done));
   }
@@ -38,7 +39,7 @@ class Program {
   }
 }
 
-async function freePort() {
+export async function freePort() {
   const server = createServer().listen(0, "127.0.0.1");
   await new Promise((done) => server.on("listening", done));
   const { port } = server.address();

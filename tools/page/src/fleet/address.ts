@@ -28,10 +28,17 @@ export function addressWith(page: URL, { broker, user, gateways }: Asked): URL {
 
 /** Null for what is no address of a broker's WebSocket. */
 export function brokerAddress(text: string): URL | null {
-  if (!URL.canParse(text)) return null;
-  const address = new URL(text);
-  const isPlain = address.username === "" && address.password === "" && address.hash === "";
+  const address = urlOf(text);
+  const isPlain = address?.username === "" && address.password === "" && address.hash === "";
   return isPlain && ["ws:", "wss:"].includes(address.protocol) ? address : null;
+}
+
+function urlOf(text: string): URL | null {
+  try {
+    return new URL(text);
+  } catch {
+    return null;
+  }
 }
 
 export const isUser = isLevel;

@@ -1,0 +1,237 @@
+// The page of a fleet: a browser, a broker that serves the page, and gateways.
+import assert from "node:assert/strict";
+import { after, afterEach, before, beforeEach, describe, it } from "node:test";
+import { button, closeBrowser, open, seriousFindings, until } from "./bench.mjs";
+import { Broker, Gateway, password } from "./fleet_bench.mjs";
+
+let broker, page;
+before(async () => {
+  broker = await Broker.create();
+});
+after(async () => {
+  await closeBrowser();
+  await broker.end();
+});
+afterEach(async () => {
+  assert.deepEqual(page.complaints, []);
+  await page.context().close();
+});
+
+const field = (name) => page.getByLabel(name, { exact: true });
+const gatewayRow = (name) => page.locator(`[data-gateway="${name}"]`);
+const axisRow = (gateway, axis) => page.locator(`[data-axis="${gateway}/${axis}"]`);
+const report = (scope = "all") => page.locator(`[data-run="${scope}"]`);
+
+async function signIn(user = "anna", words = password) {
+  await field("User name").fill(user);
+  await field("Password").fill(words);
+  await button(page, "Connect").click();
+}
+async function show(query = "", options = {}) {
+  page = await open(broker.url + query, { ignoreHTTPSErrors: true, ...options });
+  await signIn();
+  await button(page, "Disconnect").waitFor();
+}
+const counts = (text) => page.locator("[data-count=gateways]").getByText(text, { exact: true }).waitFor();
+
+describe("the page of a fleet with two gateways", () => {
+  let gateways, one, other;
+  before(async () => {
+    gateways = [await Gateway.create(broker, "hall3-1"), await Gateway.create(broker, "hall3-2")];
+    [one, other] = gateways;
+  });
+  after(async () => {
+    for (const gateway of gateways) await gateway.end();
+  });
+  beforeEach(async () => {
+    for (const gateway of gateways) for (const name of ["x", "y"]) await gateway.bench.stands(name);
+  });
+  const setOut = async () => {
+    for (const { bench } of gateways)
+      for (const axis of ["x", "y"]) {
+        const { position } = await bench.state(axis);
+        await bench.call("axis.move_to", { axis, position: position < 0 ? 190 : -190 });
+        await bench.moves(axis);
+      }
+  };
+  const allStand = async () => {
+    for (const { bench } of gateways) for (const name of ["x", "y"]) await bench.stands(name);
+  };
+
+  it("is given by the broker, and shows what moves", async () => {
+    await show();
+    await counts("2 gateways: 2 online, 0 away");
+    await axisRow("hall3-1", "x").getByText("stands").waitFor();
+    const { position } = await one.bench.state("x");
+    one.tmclctl("move", "x", `${position > 0 ? position - 15 : position + 15}mm`);
+    await axisRow("hall3-1", "x").getByText("moves").waitFor();
+    // On the way only telemetry tells where it is, and that comes as the page wishes for it.
+    const seen = new Set();
+    await until("places on the way", async () => seen.add(await axisRow("hall3-1", "x").getByRole("cell").first().textContent()).size > 3);
+    await one.bench.stands("x");
+    const there = (await one.bench.state("x")).position;
+    await axisRow("hall3-1", "x").getByText(`${Number(there.toFixed(4))} mm`).waitFor();
+  });
+
+  it("has the broker and the user in its address, and the password nowhere", async () => {
+    await show("&gateways=hall3-2");
+    await gatewayRow("hall3-2").waitFor();
+    assert.equal(await gatewayRow("hall3-1").count(), 0);
+    const address = new URL(page.url());
+    assert.equal(address.searchParams.get("user"), "anna");
+    assert.equal(address.searchParams.get("broker"), broker.address);
+    const kept = await page.evaluate(() => JSON.stringify([location.href, { ...localStorage }, { ...sessionStorage }, document.cookie]));
+    assert.ok(!kept.includes("secret"), kept);
+    await page.reload();
+    assert.equal(await field("User name").inputValue(), "anna");
+    assert.equal(await field("Password").inputValue(), "");
+  });
+
+  it("shows the gateways whose names fit", async () => {
+    await show();
+    await gatewayRow("hall3-1").waitFor();
+    await field("Gateways").fill("*-2");
+    await gatewayRow("hall3-1").waitFor({ state: "detached" });
+    await gatewayRow("hall3-2").waitFor();
+    await field("Gateways").fill("hall4-*");
+    await page.getByText("No gateway has such a name.").waitFor();
+  });
+
+  it("says why the broker does not let it in", async () => {
+    page = await open(broker.url, { ignoreHTTPSErrors: true });
+    await signIn("anna", "wrong");
+    await page.getByRole("alert").getByText(/refuses the connection/).waitFor();
+    await signIn("an/na");
+    await page.getByRole("alert").getByText(/A user name has/).waitFor();
+    await field("Address of the broker").fill("https://localhost/");
+    await signIn();
+    await page.getByRole("alert").getByText(/That is no address/).waitFor();
+    await field("Address of the broker").fill("wss://localhost:1/");
+    await signIn();
+    await page.getByRole("alert").getByText(/cannot be reached/).waitFor();
+  });
+
+  for (const [how, press] of [
+    ["button", () => button(page, "Stop all").click()],
+    ["space bar", () => page.keyboard.press("Space")],
+    ["space bar, with the focus in a field", () => field("Gateways").press("Space")],
+  ]) {
+    it(`stops all by the ${how}, and says which have confirmed`, async () => {
+      await show();
+      await counts("2 gateways: 2 online, 0 away");
+      await setOut();
+      await press();
+      await report().getByText("Stopped: 6 axes of 2 gateways").waitFor();
+      await allStand();
+      for (const { name } of gateways) await gatewayRow(name).getByText("stop confirmed").waitFor();
+      await axisRow("hall3-2", "y").getByText("stop confirmed").waitFor();
+    });
+  }
+
+  it("stops one gateway, and no other", async () => {
+    await show();
+    await gatewayRow("hall3-2").waitFor();
+    await setOut();
+    await button(page, "Stop hall3-2").click();
+    await report("hall3-2").getByText(/Stopped: 3 axes of 1 gateway/).waitFor();
+    for (const name of ["x", "y"]) await other.bench.stands(name);
+    assert.ok((await one.bench.state("x")).moving);
+    await button(page, "Stop all").click();
+    await report().getByText(/Stopped/).waitFor();
+    await allStand();
+  });
+
+  it("names in red what does not answer, and stops it when it does", async () => {
+    await show();
+    await counts("2 gateways: 2 online, 0 away");
+    await setOut();
+    other.mqtt.process.kill("SIGSTOP");
+    await button(page, "Stop all").click();
+    await report().locator(".problem").getByText(/^hall3-2: no answer/).waitFor();
+    await gatewayRow("hall3-1").getByText("stop confirmed").waitFor();
+    await gatewayRow("hall3-2").locator(".problem").getByText("stop not confirmed").waitFor();
+    for (const name of ["x", "y"]) await one.bench.stands(name);
+    other.mqtt.process.kill("SIGCONT");
+    for (const name of ["x", "y"]) await other.bench.stands(name);
+    // Where the test was slow the page has given up: another press is answered.
+    await button(page, "Stop all").click();
+    await report().getByText("Stopped: 6 axes of 2 gateways").waitFor();
+  });
+
+  it("says which module did not confirm", async () => {
+    await show();
+    await counts("2 gateways: 2 online, 0 away");
+    await other.bench.simulator.process.kill("SIGSTOP");
+    await button(page, "Stop all").click();
+    await report().locator(".problem").getByText(/^hall3-2 [xy]: /).first().waitFor();
+    await other.bench.simulator.process.kill("SIGCONT");
+    await button(page, "Stop all").click();
+    await report().getByText("Stopped: 6 axes of 2 gateways").waitFor();
+  });
+
+  it("says when tmcld of a gateway is gone, and when it is back", async () => {
+    await show();
+    await counts("2 gateways: 2 online, 0 away");
+    await other.bench.daemon.end();
+    await counts("2 gateways: 1 online, 0 away, 1 without tmcld");
+    await gatewayRow("hall3-2").getByText("without tmcld").waitFor();
+    await button(page, "Stop all").click();
+    await report().locator(".problem").getByText(/^hall3-2: tmcld is not there/).waitFor();
+    await other.bench.startDaemon();
+    await counts("2 gateways: 2 online, 0 away");
+  });
+
+  it("shows a gateway that is killed as away, and waits for no answer of it", async () => {
+    await show();
+    await counts("2 gateways: 2 online, 0 away");
+    await other.mqtt.end("SIGKILL");
+    await counts("2 gateways: 1 online, 1 away");
+    await gatewayRow("hall3-2").locator(".problem").getByText("away").waitFor();
+    await button(page, "Stop all").click();
+    await report().getByText("Stopped: 3 axes of 1 gateway").waitFor();
+    await report().getByText(/^1 gateway away: a stop does not reach/).waitFor();
+    await other.start();
+    await counts("2 gateways: 2 online, 0 away");
+  });
+
+  it("says loudly that a stop does not go out, and sends it when the broker is back", async () => {
+    await show();
+    await counts("2 gateways: 2 online, 0 away");
+    await broker.program.end("SIGKILL");
+    await page.getByRole("alert").getByText(/What is shown is old/).waitFor();
+    await setOut();
+    await button(page, "Stop all").click();
+    await page.getByRole("alert").getByText(/^NOT STOPPED/).waitFor();
+    assert.ok((await one.bench.state("x")).moving);
+    await broker.start();
+    await counts("2 gateways: 2 online, 0 away");
+    await button(page, "Stop all").click();
+    await report().getByText("Stopped: 6 axes of 2 gateways").waitFor();
+    await allStand();
+  });
+
+  it("takes its wishes back", async () => {
+    await show();
+    await gatewayRow("hall3-1").waitFor();
+    await until("a wish", () => broker.retained("tmcl/v1/hall3-1/want/anna") !== "");
+    await button(page, "Disconnect").click();
+    await until("no wish", () => broker.retained("tmcl/v1/hall3-1/want/anna") === "");
+  });
+
+  it("can be read by a screen reader", async () => {
+    page = await open(broker.url, { ignoreHTTPSErrors: true, bypassCSP: true });
+    assert.deepEqual(await seriousFindings(page), []);
+    await signIn();
+    await axisRow("hall3-2", "y").waitFor();
+    await button(page, "Stop all").click();
+    await report().getByText(/Stopped/).waitFor();
+    assert.deepEqual(await seriousFindings(page), []);
+  });
+
+  it("goes on a phone without scrolling sideways", async () => {
+    await show("", { viewport: { width: 360, height: 640 } });
+    await axisRow("hall3-1", "x").waitFor();
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
+    assert.ok(await button(page, "Stop all").isVisible());
+  });
+});
