@@ -1,6 +1,6 @@
 // A fleet: a mosquitto with the configuration of config/fleet, and gateways with a tmcld and a simulator each.
 import { execFileSync, spawnSync } from "node:child_process";
-import { cp, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { cp, mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { connect as connectTo } from "node:net";
 import { tmpdir, userInfo } from "node:os";
 import { join } from "node:path";
@@ -20,8 +20,10 @@ export class Broker {
   static async create() {
     const broker = new Broker();
     broker.folder = await mkdtemp(join(tmpdir(), "tmcl-fleet-"));
+    broker.files = join(broker.folder, "files");
     for (const port of ["gatewayPort", "pagePort", "filesPort", "plainPort"]) broker[port] = await freePort();
     broker.#makeCertificates();
+    await mkdir(broker.files);
     await broker.#writeFiles();
     await broker.start();
     return broker;
@@ -56,14 +58,14 @@ export class Broker {
       .replaceAll("/etc/mosquitto/", `${this.folder}/`)
       .replace(/^# (listener 9002|protocol websockets|http_dir .*)$/gm, "$1")
       .replace("listener 9002", `listener ${this.filesPort}`)
-      .replace("/usr/local/share/tmcl/fleet", this.folder);
+      .replace("/usr/local/share/tmcl/fleet", this.files);
     const more = `listener ${this.plainPort} 127.0.0.1\nuser ${userInfo().username}\n`;
     await writeFile(join(this.folder, "mosquitto.conf"), `${both}\n${more}`);
     const acl = await readFile(join(configs, "tmcl.acl"), "utf8");
     await writeFile(join(this.folder, "tmcl.acl"), `${acl}\nuser chaos\ntopic readwrite #\n`, { mode: 0o600 });
     for (const [name, words] of [["anna", password], ["chaos", "chaos"]])
       execFileSync("mosquitto_passwd", [...(name === "anna" ? ["-c"] : []), "-b", join(this.folder, "tmcl.passwd"), name, words]);
-    await cp(page, join(this.folder, "index.html"));
+    await cp(page, join(this.files, "index.html"));
   }
 
   /** Of its WebSocket with TLS. */

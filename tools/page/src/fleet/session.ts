@@ -42,7 +42,9 @@ const drawEveryMs = 100;
 const reasons = { badUser: 0x86, notAuthorized: 0x87, first: 0x80 };
 
 const wishes = new Wishes();
-let link: BrokerLink | null = null;
+/** Stops and their answers have a connection of their own: no flood of states keeps them out. */
+type Links = { news: BrokerLink; stops: BrokerLink };
+let links: Links | null = null;
 let wasOpen = false;
 let retryMs = firstRetryMs;
 let wanted: string[] = [];
@@ -78,8 +80,7 @@ export function connect(to: Account): void {
 /** Empty: it was asked for. */
 export function disconnect(why: string): void {
   takeWishesBack();
-  link?.end();
-  link = null;
+  endLinks();
   runs.clear();
   fleet.forget();
   account.value = null;
@@ -88,24 +89,32 @@ export function disconnect(why: string): void {
 }
 
 function open(): void {
-  const { address, user, password } = account.peek()!;
-  const login = { client: `tmcl-page-${drawId()}`, user, password };
-  let mine: BrokerLink;
-  const events = {
-    onOpen: begin,
-    onMessage: take,
-    onAcknowledged: acknowledge,
-    onEnd: (why: Ending) => link === mine && end(why),
-  };
   try {
-    mine = new BrokerLink(address, login, events);
-    link = mine;
+    const opened = linkedTo(account.peek()!);
+    links = opened;
   } catch (error) {
     disconnect(texts.addressRefused(error instanceof Error ? error.message : ""));
   }
 }
 
-function begin(): void {
+function linkedTo({ address, user, password }: Account): Links {
+  const login = () => ({ client: `tmcl-page-${drawId()}`, user, password });
+  const events = {
+    onOpen: () => links?.news.isOpen && links.stops.isOpen && begin(links),
+    onMessage: take,
+    onAcknowledged: acknowledge,
+    onEnd: (why: Ending) => end(why),
+  };
+  return { news: new BrokerLink(address, login(), events), stops: new BrokerLink(address, login(), events) };
+}
+
+function endLinks(): void {
+  links?.news.end();
+  links?.stops.end();
+  links = null;
+}
+
+function begin({ news, stops }: Links): void {
   wasOpen = true;
   retryMs = firstRetryMs;
   wishes.forget();
@@ -114,19 +123,21 @@ function begin(): void {
   askedAgain = [];
   asks = new Map();
   status.value = { is: "open" };
-  link!.subscribe([topics.repliesTo(account.peek()!.user), topics.allBirths, topics.allStates]);
+  stops.subscribe([topics.repliesTo(account.peek()!.user)]);
+  news.subscribe([topics.allBirths, topics.allStates]);
   tellWishes();
   tellStops();
   draw();
 }
 
+/** One without the other is not what is shown. */
 function end(why: Ending): void {
-  link = null;
+  endLinks();
   const text = texts.endings(why);
   if (!wasOpen) return disconnect(text);
   status.value = { is: "lost", why: text };
   draw();
-  setTimeout(() => status.peek().is === "lost" && link === null && open(), retryMs);
+  setTimeout(() => status.peek().is === "lost" && links === null && open(), retryMs);
   retryMs = Math.min(retryMs * 2, slowestRetryMs);
 }
 
@@ -151,12 +162,12 @@ function takeReply(topic: topics.Topic & { is: "reply" }, payload: Uint8Array, r
 
 /** For what was dropped on the way: the broker tells what it keeps to each new subscription. */
 function askAgain(): void {
-  link?.unsubscribe(askedAgain.splice(0));
+  links?.news.unsubscribe(askedAgain.splice(0));
   const { births, states } = fleet.incomplete();
   const missing = [...births.map(topics.birthOf), ...states.map(topics.statesOf)];
   askedAgain = missing.filter((topic) => (asks.get(topic) ?? 0) < mostAsks).slice(0, asksAtOnce);
   for (const topic of askedAgain) asks.set(topic, (asks.get(topic) ?? 0) + 1);
-  link?.subscribe(askedAgain);
+  links?.news.subscribe(askedAgain);
 }
 
 // ---- wishes
@@ -168,6 +179,7 @@ export function want(gateways: string[]): void {
 }
 
 function tellWishes(): void {
+  const link = links?.news;
   if (!link?.isOpen) return;
   const user = account.peek()!.user;
   const isSeen = document.visibilityState === "visible";
@@ -199,14 +211,15 @@ export function stop(scope: string): void {
 }
 
 function tellStops(): void {
-  if (!link?.isOpen) return;
-  for (const run of runs.values()) for (const gateway of run.due(fleet, performance.now())) tellStop(run, gateway);
+  const link = links?.stops;
+  if (status.peek().is !== "open" || !link) return;
+  for (const run of runs.values()) for (const gateway of run.due(fleet, performance.now())) tellStop(link, run, gateway);
 }
 
-function tellStop(run: StopRun, gateway: string): void {
+function tellStop(link: BrokerLink, run: StopRun, gateway: string): void {
   const responseTopic = topics.replyOf(account.peek()!.user, gateway, run.id);
   const qos = unacknowledged.size < mostUnacknowledged ? 1 : 0;
-  const packet = link!.publish({ topic: topics.stopOf(gateway), payload: "", qos, responseTopic });
+  const packet = link.publish({ topic: topics.stopOf(gateway), payload: "", qos, responseTopic });
   if (packet > 0) unacknowledged.add(packet);
 }
 

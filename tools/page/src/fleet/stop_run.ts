@@ -46,12 +46,13 @@ const giveUpMs = 30_000;
 const tellMs = 60_000;
 /** So long a gateway whose birth comes in counts, too, though all others have answered. */
 const settleMs = 3000;
-/** Above it one message to all gateways is less than one to each that is missing. */
-const mostSingle = 200;
+/** Of those that are missing, so many are asked again at a time, in turn: what is asked has to be answered, too. */
+const mostAtOnce = 200;
 
 export class StopRun {
   #expected = new Map<string, Expected>();
   #asked = -Infinity;
+  #turn = 0;
 
   /** `id`: a level of the topic for answers, which no other run has. */
   constructor(
@@ -67,7 +68,7 @@ export class StopRun {
     const isFirst = this.#asked === -Infinity;
     this.#asked = now;
     const names = this.#unfinished();
-    return isFirst || names.length === 0 || names.length > mostSingle ? [this.scope] : names;
+    return isFirst || names.length === 0 ? [this.scope] : this.#inTurn(names);
   }
 
   take(gateway: string, answer: StopAnswer): void {
@@ -117,6 +118,11 @@ export class StopRun {
     const axes = gateway.birth!.axes;
     if (known) known.axes = [...new Set([...known.axes, ...axes])];
     else this.#expected.set(gateway.name, { axes, stopped: new Set(), failed: new Map(), error: "", hasAnswered: false, isGone: false });
+  }
+  #inTurn(names: string[]): string[] {
+    const from = names.length > mostAtOnce ? this.#turn % names.length : 0;
+    this.#turn = from + mostAtOnce;
+    return [...names.slice(from), ...names.slice(0, from)].slice(0, mostAtOnce);
   }
   #unfinished(): string[] {
     const names = [...this.#expected.keys()];

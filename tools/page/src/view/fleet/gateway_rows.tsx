@@ -21,11 +21,11 @@ export function GatewayRow({ gateway, number }: RowOf) {
   return (
     <tr data-row data-gateway={gateway.name} aria-rowindex={number} class="gateway">
       <th scope="row" title={gateway.name}>{gateway.name}</th>
-      <td colSpan={3} class="badges">
+      <td colSpan={4} class="badges">
+        {isOnline(gateway) && <button aria-label={texts.stopGateway(gateway.name)} onClick={() => stop(gateway.name)}>{texts.stopOne}</button>}
         <span class={presence === "online" ? "" : "problem"}>{texts.presences[presence]}</span>
         <Confirmation gateway={gateway.name} axis="" />
       </td>
-      <td>{isOnline(gateway) && <button aria-label={texts.stopGateway(gateway.name)} onClick={() => stop(gateway.name)}>{texts.stopOne}</button>}</td>
     </tr>
   );
 }
@@ -38,8 +38,8 @@ export function AxisRow({ gateway, axis, number }: RowOf & { axis: string }) {
       <th scope="row" title={axis}>{axis}</th>
       <td class="number">{state ? positionText(state) : texts.notKnown}</td>
       <td class="badges">
-        {state && <Badges state={state} />}
         <Confirmation gateway={gateway.name} axis={axis} />
+        {state && <Badges state={state} />}
       </td>
       <td title={stoppedBy}>{stoppedBy}</td>
       <td title={state?.owner ?? ""}>{state?.owner ?? ""}</td>
