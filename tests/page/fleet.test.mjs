@@ -1,7 +1,8 @@
 // The page of a fleet: a browser, a broker that serves the page, and gateways.
 import assert from "node:assert/strict";
+import { join } from "node:path";
 import { after, afterEach, before, beforeEach, describe, it } from "node:test";
-import { button, closeBrowser, open, seriousFindings, until } from "./bench.mjs";
+import { Bench, button, closeBrowser, open, seriousFindings, until } from "./bench.mjs";
 import { Broker, Gateway, password } from "./fleet_bench.mjs";
 
 let broker, page;
@@ -42,6 +43,9 @@ describe("the page of a fleet with two gateways", () => {
   });
   after(async () => {
     for (const gateway of gateways) await gateway.end();
+    const chaos = await broker.publisher();
+    for (const { name } of gateways) await chaos.say(`tmcl/v1/${name}/birth`, "");
+    chaos.end();
   });
   beforeEach(async () => {
     for (const gateway of gateways) for (const name of ["x", "y"]) await gateway.bench.stands(name);
@@ -233,5 +237,91 @@ describe("the page of a fleet with two gateways", () => {
     await axisRow("hall3-1", "x").waitFor();
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 360);
     assert.ok(await button(page, "Stop all").isVisible());
+  });
+});
+
+describe("the page of a fleet on a broker where anything is written", () => {
+  const html = '<img src="x" onerror="document.title = 1">';
+  const birth = (axes) => JSON.stringify({ online: true, epoch: "e", nonce_ttl_ms: 2000, tmcld_mqtt: "1", tmcld: "1", axes });
+  const state = (more) =>
+    JSON.stringify({
+      ...{ axis: "x", position_microsteps: 640, velocity_pps: 0, target_microsteps: 0, position: 0.1, velocity: 0, target: 0, unit: "mm" },
+      ...{ moving: false, latched: false, referenced: true, unattended: false, stop_cause: null, owner: null, faults: [], ...more },
+    });
+  let chaos;
+  beforeEach(async () => {
+    chaos = await broker.publisher();
+    await chaos.say("tmcl/v1/good/birth", birth(["x"]));
+    await chaos.say("tmcl/v1/good/state/x", state({}));
+    await show();
+    await axisRow("good", "x").getByText("0.1 mm").waitFor();
+  });
+  afterEach(async () => {
+    for (const name of ["good", "bad", "worse", "all", "g h", html]) await chaos.say(`tmcl/v1/${name}/birth`, "");
+    await chaos.say("tmcl/v1/good/state/x", "");
+    chaos.end();
+  });
+
+  it("shows gateways, and texts as they are", async () => {
+    const births = ["{", "[]", "null", "\u0000", birth([html]), birth("x"), birth(["a/b"]), `{"online":1}`, " ".repeat(1_100_000), "[".repeat(60_000)];
+    for (const text of births) await chaos.say("tmcl/v1/bad/birth", text);
+    for (const name of ["all", "reply", "g h", html, "x".repeat(100)]) await chaos.say(`tmcl/v1/${name}/birth`, birth(["x"]), false);
+    for (const text of ["{", state({ axis: "y" }), state({ position: html }), state({ faults: 7 }), state({ moving: "yes" })]) await chaos.say("tmcl/v1/good/state/x", text);
+    await chaos.say("tmcl/v1/good/telemetry/x", '{"position_microsteps":"7"}', false);
+    await chaos.say("tmcl/v1/good/state/x", state({ position: 0.2, owner: html, stop_cause: "constructor", faults: ["__proto__", html] }));
+    await axisRow("good", "x").getByText("0.2 mm").waitFor();
+    assert.deepEqual(await axisRow("good", "x").getByRole("cell").allTextContents(), ["0.2 mm", `stands__proto__${html}`, "constructor", html]);
+    await counts("1 gateway: 1 online, 0 away");
+    await page.getByText(/messages on the broker were not as gateways write them/).waitFor();
+    assert.equal(await page.locator("img").count(), 0);
+    assert.equal(await page.title(), "Fleet");
+  });
+
+  it("takes no answer to a stop but that of the gateway to this press", async () => {
+    await button(page, "Stop all").click();
+    await report().getByText(/^good: no answer/).waitFor();
+    const stopped = JSON.stringify({ result: { stopped: [{ axis: "x", milliseconds: 1 }], failed: [] }, epoch: "e" });
+    for (const to of ["anna/good/000000000000000000000000", "anna/all/7", "eve/good/7", "anna/worse/7"]) await chaos.say(`tmcl/v1/reply/${to}`, stopped, false);
+    await chaos.say("tmcl/v1/worse/birth", JSON.stringify({ online: false, epoch: "e" }));
+    await gatewayRow("worse").waitFor();
+    assert.equal(await report().getByText(/^good: no answer/).count(), 1);
+    await gatewayRow("good").locator(".problem").getByText("stop not confirmed").waitFor();
+    const id = broker.idOfStop();
+    await chaos.say(`tmcl/v1/reply/anna/good/${id}`, "{", false);
+    await chaos.say(`tmcl/v1/reply/anna/good/${id}`, stopped, false);
+    await gatewayRow("good").getByText("stop confirmed").waitFor();
+  });
+
+  it("goes on where a will of an earlier connection comes late", async () => {
+    await chaos.say("tmcl/v1/good/birth", birth(["x"]).replace('"e"', '"f"'));
+    await chaos.say("tmcl/v1/good/birth", JSON.stringify({ online: false, epoch: "e" }));
+    await chaos.say("tmcl/v1/worse/birth", birth([]));
+    await gatewayRow("worse").waitFor();
+    await gatewayRow("good").getByText("online").waitFor();
+    await chaos.say("tmcl/v1/good/birth", JSON.stringify({ online: false, epoch: "f" }));
+    await gatewayRow("good").getByText("away").waitFor();
+  });
+});
+
+describe("the page of a fleet, as tmcld gives it", () => {
+  let bench;
+  beforeEach(async () => {
+    bench = await Bench.create();
+  });
+  afterEach(() => bench.end());
+
+  it("is there to be saved, and works as a file", async () => {
+    page = await open(`${bench.url}/?broker=${encodeURIComponent(broker.address)}`, { ignoreHTTPSErrors: true });
+    await page.waitForURL(/fleet.html/);
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Save it").click()]);
+    assert.equal(download.suggestedFilename(), "fleet.html");
+    // There it may run no script, and so reaches no broker.
+    assert.match(page.complaints.splice(0).join(), /Content Security Policy/);
+    const file = join(bench.folder, "fleet.html");
+    await download.saveAs(file);
+    await page.goto(`file://${file}?broker=${encodeURIComponent(broker.address)}`);
+    await signIn();
+    await button(page, "Disconnect").waitFor();
+    await page.locator("[data-count=gateways]").waitFor();
   });
 });

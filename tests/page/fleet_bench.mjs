@@ -96,6 +96,12 @@ export class Broker {
     return spawnSync("mosquitto_sub", words.map(String)).stdout.toString();
   }
 
+  /** Of the press whose stops go out now, again and again. */
+  idOfStop() {
+    const words = ["-V", "5", "-p", this.plainPort, "-u", "chaos", "-P", "chaos", "-t", "tmcl/v1/+/stop", "-C", "1", "-W", "10", "-F", "%R"];
+    return spawnSync("mosquitto_sub", words.map(String)).stdout.toString().trim().split("/").at(-1);
+  }
+
   async end() {
     await this.program.end();
     await rm(this.folder, { recursive: true });

@@ -44,10 +44,6 @@ export class BrokerLink {
   get isOpen(): boolean {
     return this.#isOpen;
   }
-  /** Bytes that have not left the browser. */
-  get unsent(): number {
-    return this.#socket.bufferedAmount;
-  }
 
   /** The number of its packet, by which it is acknowledged; 0 with QoS 0, or without a connection. */
   publish(publication: Publication): number {

@@ -25,14 +25,13 @@ export type Packet =
   | { is: "connack"; reason: number }
   | { is: "publish"; topic: string; payload: Uint8Array; qos: number; packet: number; retained: boolean }
   | { is: "puback"; packet: number; reason: number }
-  | { is: "suback"; packet: number; reasons: number[] }
   | { is: "disconnect"; reason: number }
   | { is: "other" };
 
 /** The broker is told not to send a longer one; answers of gateways have 1 MB at most. */
 export const mostPacketBytes = 1_200_000;
 
-const types = { connect: 1, connack: 2, publish: 3, puback: 4, subscribe: 8, suback: 9, unsubscribe: 10, pingreq: 12, disconnect: 14 };
+const types = { connect: 1, connack: 2, publish: 3, puback: 4, subscribe: 8, unsubscribe: 10, pingreq: 12, disconnect: 14 };
 const properties = { expiry: 0x02, responseTopic: 0x08, mostPacketBytes: 0x27 };
 const protocolLevel = 5;
 const cleanStart = 0x02;
@@ -154,12 +153,6 @@ function readPublish(flags: number, body: Body): Packet {
   return { is: "publish", topic, payload: body.rest(), qos, packet: id, retained: (flags & 1) === 1 };
 }
 
-function readReasons(body: Body): Packet {
-  const id = body.two();
-  body.skipProperties();
-  return { is: "suback", packet: id, reasons: [...body.rest()] };
-}
-
 function readPacket(head: number, body: Body): Packet {
   switch (head >> 4) {
     case types.connack:
@@ -169,8 +162,6 @@ function readPacket(head: number, body: Body): Packet {
       return readPublish(head & 15, body);
     case types.puback:
       return { is: "puback", packet: body.two(), reason: body.isAtEnd ? 0 : body.one() };
-    case types.suback:
-      return readReasons(body);
     case types.disconnect:
       return { is: "disconnect", reason: body.isAtEnd ? 0 : body.one() };
     default:

@@ -151,11 +151,11 @@ function take(name: string, payload: Uint8Array, retained: boolean): void {
   draw();
 }
 
-/** Answers to other questions than the last stops are of no interest. */
+/** Those to other questions than the last stops are for another page of this user, or come too late. */
 function takeReply(topic: topics.Topic & { is: "reply" }, payload: Uint8Array, retained: boolean): void {
-  if (retained || topic.user !== account.peek()?.user) return;
   const run = [...runs.values()].find(({ id }) => id === topic.id);
-  const answer = run && readStopAnswer(payload);
+  if (!run || retained || topic.user !== account.peek()?.user) return;
+  const answer = readStopAnswer(payload);
   if (answer) run.take(topic.gateway, answer);
   else ++fleet.misread;
 }
