@@ -4,6 +4,7 @@ import { join } from "node:path";
 import { after, afterEach, before, beforeEach, describe, it } from "node:test";
 import { Bench, button, closeBrowser, open, seriousFindings, until } from "./bench.mjs";
 import { Broker, Gateway, password } from "./fleet_bench.mjs";
+import { looksLike, skip } from "./looks.mjs";
 
 let broker, page;
 before(async () => {
@@ -240,14 +241,54 @@ describe("the page of a fleet with two gateways", () => {
   });
 });
 
+const birth = (axes, tmcld = "1") => JSON.stringify({ online: true, epoch: "e", nonce_ttl_ms: 2000, tmcld_mqtt: "1", tmcld, axes });
+const death = JSON.stringify({ online: false, epoch: "e" });
+const state = (more) =>
+  JSON.stringify({
+    ...{ axis: "x", position_microsteps: 640, velocity_pps: 0, target_microsteps: 0, position: 0.1, velocity: 0, target: 0, unit: "mm" },
+    ...{ moving: false, latched: false, referenced: true, unattended: false, stop_cause: null, owner: null, faults: [], ...more },
+  });
+
+it("the page of a fleet looks as it did", { skip }, async () => {
+  const chaos = await broker.publisher();
+  const births = { "hall3-1": birth(["x", "y", "z"]), "hall3-2": birth(["x", "y"]), "hall3-3": death, "hall3-10": birth([], null) };
+  for (const [name, text] of Object.entries(births)) await chaos.say(`tmcl/v1/${name}/birth`, text);
+  const states = [
+    ["hall3-1", { axis: "x", stop_cause: "client", position: 12.5 }],
+    ["hall3-1", { axis: "y", owner: "anna by tmcld-mqtt", moving: true, position: -3.25 }],
+    ["hall3-1", { axis: "z", unit: null, position: null, referenced: false }],
+    ["hall3-2", { axis: "x", faults: ["stall", "overtemperature_warning"], stop_cause: "stall" }],
+    ["hall3-2", { axis: "y", latched: true, referenced: false }],
+  ];
+  for (const [name, more] of states) await chaos.say(`tmcl/v1/${name}/state/${more.axis}`, state(more));
+  page = await open("about:blank", { ignoreHTTPSErrors: true, viewport: { width: 1280, height: 800 } });
+  await page.clock.install();
+  await page.goto(broker.url);
+  await signIn();
+  await axisRow("hall3-2", "y").getByText("latched").waitFor();
+  await axisRow("hall3-1", "y").getByText("moves").waitFor();
+  await counts("4 gateways: 2 online, 1 away, 1 without tmcld");
+  // From here on time passes by the test: the page does not give up on a slow computer.
+  await page.clock.pauseAt(new Date(await page.evaluate(() => Date.now() + 2000)));
+  const pass = (ms, condition) => until("what the page draws", async () => (await page.clock.runFor(ms), condition()));
+  let id;
+  void broker.idOfStop().then((found) => (id = found));
+  await button(page, "Stop all").click();
+  await pass(20, () => id);
+  await chaos.say(`tmcl/v1/reply/anna/hall3-1/${id}`, JSON.stringify({ result: { stopped: ["x", "y", "z"].map((axis) => ({ axis, milliseconds: 3 })), failed: [] } }), false);
+  const error = { message: "module 1 does not answer" };
+  await chaos.say(`tmcl/v1/reply/anna/hall3-2/${id}`, JSON.stringify({ result: { stopped: [{ axis: "x", milliseconds: 3 }], failed: [{ axis: "y", error }] } }), false);
+  await chaos.say(`tmcl/v1/reply/anna/hall3-10/${id}`, JSON.stringify({ error: { message: "tmcld is not there" } }), false);
+  const said = report().getByRole("listitem");
+  await pass(5, async () => (await gatewayRow("hall3-1").getByText("stop confirmed").count()) > 0 && (await said.allTextContents()).join().includes("not there"));
+  await looksLike(page, "fleet", [page.locator(".who")]);
+  for (const name of Object.keys(births)) await chaos.say(`tmcl/v1/${name}/birth`, "");
+  for (const [name, { axis }] of states) await chaos.say(`tmcl/v1/${name}/state/${axis}`, "");
+  chaos.end();
+});
+
 describe("the page of a fleet on a broker where anything is written", () => {
   const html = '<img src="x" onerror="document.title = 1">';
-  const birth = (axes) => JSON.stringify({ online: true, epoch: "e", nonce_ttl_ms: 2000, tmcld_mqtt: "1", tmcld: "1", axes });
-  const state = (more) =>
-    JSON.stringify({
-      ...{ axis: "x", position_microsteps: 640, velocity_pps: 0, target_microsteps: 0, position: 0.1, velocity: 0, target: 0, unit: "mm" },
-      ...{ moving: false, latched: false, referenced: true, unattended: false, stop_cause: null, owner: null, faults: [], ...more },
-    });
   let chaos;
   beforeEach(async () => {
     chaos = await broker.publisher();
@@ -286,7 +327,7 @@ describe("the page of a fleet on a broker where anything is written", () => {
     await gatewayRow("worse").waitFor();
     assert.equal(await report().getByText(/^good: no answer/).count(), 1);
     await gatewayRow("good").locator(".problem").getByText("stop not confirmed").waitFor();
-    const id = broker.idOfStop();
+    const id = await broker.idOfStop();
     await chaos.say(`tmcl/v1/reply/anna/good/${id}`, "{", false);
     await chaos.say(`tmcl/v1/reply/anna/good/${id}`, stopped, false);
     await gatewayRow("good").getByText("stop confirmed").waitFor();

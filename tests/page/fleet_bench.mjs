@@ -1,9 +1,10 @@
 // A fleet: a mosquitto with the configuration of config/fleet, and gateways with a tmcld and a simulator each.
-import { execFileSync, spawnSync } from "node:child_process";
+import { execFile, execFileSync, spawnSync } from "node:child_process";
 import { cp, mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { connect as connectTo } from "node:net";
 import { tmpdir, userInfo } from "node:os";
 import { join } from "node:path";
+import { promisify } from "node:util";
 import { axis, Bench, freePort, Program, until } from "./bench.mjs";
 import { fleetModules } from "./sources.mjs";
 
@@ -97,9 +98,10 @@ export class Broker {
   }
 
   /** Of the press whose stops go out now, again and again. */
-  idOfStop() {
-    const words = ["-V", "5", "-p", this.plainPort, "-u", "chaos", "-P", "chaos", "-t", "tmcl/v1/+/stop", "-C", "1", "-W", "10", "-F", "%R"];
-    return spawnSync("mosquitto_sub", words.map(String)).stdout.toString().trim().split("/").at(-1);
+  async idOfStop() {
+    const words = ["-V", "5", "-p", this.plainPort, "-u", "chaos", "-P", "chaos", "-t", "tmcl/v1/+/stop", "-C", "1", "-W", "30", "-F", "%R"];
+    const { stdout } = await promisify(execFile)("mosquitto_sub", words.map(String));
+    return stdout.trim().split("/").at(-1);
   }
 
   async end() {
