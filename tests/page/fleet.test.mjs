@@ -49,13 +49,22 @@ describe("the page of a fleet with two gateways", () => {
     chaos.end();
   });
   beforeEach(async () => {
-    for (const gateway of gateways) for (const name of ["x", "y"]) await gateway.bench.stands(name);
+    for (const { bench } of gateways) await bench.call("system.stop_all");
+    await allStand();
   });
+  /** Again, where the computer was so busy that tmcld stood still meanwhile. */
+  const moveTo = (bench, axis, position) =>
+    until(`${axis} is to move`, () =>
+      bench.call("axis.move_to", { axis, position }).then(
+        () => true,
+        (error) => assert.match(error.message, /stood still/),
+      ),
+    );
   const setOut = async () => {
     for (const { bench } of gateways)
       for (const axis of ["x", "y"]) {
         const { position } = await bench.state(axis);
-        await bench.call("axis.move_to", { axis, position: position < 0 ? 190 : -190 });
+        await moveTo(bench, axis, position < 0 ? 190 : -190);
         await bench.moves(axis);
       }
   };
@@ -68,7 +77,7 @@ describe("the page of a fleet with two gateways", () => {
     await counts("2 gateways: 2 online, 0 away");
     await axisRow("hall3-1", "x").getByText("stands").waitFor();
     const { position } = await one.bench.state("x");
-    one.tmclctl("move", "x", `${position > 0 ? position - 15 : position + 15}mm`);
+    one.tmclctl("move", "x", `${position > 0 ? position - 5 : position + 5}mm`);
     await axisRow("hall3-1", "x").getByText("moves").waitFor();
     // On the way only telemetry tells where it is, and that comes as the page wishes for it.
     const seen = new Set();

@@ -122,6 +122,8 @@ export class Gateway {
       `[mqtt]\nbroker = "localhost:${broker.gatewayPort}"\ngateway = "${name}"\nsocket = "${gateway.bench.socket}"\nca = "${broker.folder}/ca.crt"\n` +
         `certificate = "${broker.folder}/${name}.crt"\nkey = "${broker.folder}/${name}.key"\n`,
     );
+    // Slow: what is to be stopped has not arrived before, however busy the computer is.
+    for (const name of ["x", "y"]) await gateway.bench.call("parameter.set", { axis: name, parameter: "max_velocity", value_in_unit: 2 });
     await gateway.start();
     return gateway;
   }

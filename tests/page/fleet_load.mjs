@@ -2,6 +2,7 @@
 // the other tests: it keeps a computer busy. GATEWAYS and RATE (messages a second) say how much.
 //
 // Chromium runs without its debugger, which would be told each message, too: a page around the page looks on, and reports.
+import assert from "node:assert/strict";
 import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
@@ -103,7 +104,7 @@ for (const kind of ["state", "telemetry"]) {
     await many.says("born");
     const profile = await mkdtemp(join(tmpdir(), "tmcl-load-"));
     const words = ["--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,800", `--user-data-dir=${profile}`];
-    const browser = new Program(process.env.TMCL_CHROMIUM, ...words, `http://localhost:${broker.filesPort}/around.html`);
+    const browser = new Program(process.env.TMCL_CHROMIUM ?? "/usr/bin/chromium", ...words, `http://localhost:${broker.filesPort}/around.html`);
     await reports.over;
     for (const told of reports.told) console.log(kind, JSON.stringify(told));
     console.log(kind, many.output.trim().split("\n").at(-1));
@@ -112,5 +113,6 @@ for (const kind of ["state", "telemetry"]) {
     await broker.end();
     reports.end();
     await rm(profile, { recursive: true, force: true, maxRetries: 5 });
+    assert.ok(!reports.told.some(({ error }) => error));
   });
 }

@@ -290,8 +290,9 @@ describe("a stop", () => {
     assert.deepEqual(run.due(fleet, 100), ["g"]);
     run.take("g", answer(["x"], ["y"]));
     assert.deepEqual(run.due(fleet, 200), ["g"]);
+    assert.ok(!run.isConfirmed());
     run.take("g", answer(["x", "y"]));
-    assert.ok(run.isOver(200));
+    assert.ok(run.isOver(200) && run.isConfirmed());
   });
 
   it("is not confirmed by a gateway that says why not", () => {
@@ -310,6 +311,7 @@ describe("a stop", () => {
     assert.deepEqual(run.due(fleet, 100), []);
     assert.deepEqual(run.report(100).missing, [{ gateway: "h", axis: "", why: { is: "gone" } }]);
     assert.ok(run.isOver(100));
+    assert.ok(!run.isConfirmed());
   });
 
   it("has an end, and names what has not confirmed then", () => {

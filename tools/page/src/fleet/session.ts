@@ -39,7 +39,7 @@ const mostAsks = 3;
 /** Stops with QoS 1 that the broker has not acknowledged; above it they go with QoS 0. */
 const mostUnacknowledged = 8;
 const drawEveryMs = 100;
-const reasons = { badUser: 0x86, notAuthorized: 0x87, first: 0x80 };
+const reasons = { first: 0x80, notAuthorized: 0x87 };
 
 const wishes = new Wishes();
 /** Stops and their answers have a connection of their own: no flood of states keeps them out. */
@@ -56,7 +56,7 @@ let isDrawDue = false;
 const hex = (bytes: Uint8Array) => [...bytes].map((byte) => byte.toString(16).padStart(2, "0")).join("");
 const drawId = () => hex(crypto.getRandomValues(new Uint8Array(12)));
 
-/** At most ten times a second, and not while nobody could see it. */
+/** At most ten times a second, and not while the page is hidden. */
 function draw(): void {
   if (isDrawDue) return;
   isDrawDue = true;
@@ -90,8 +90,7 @@ export function disconnect(why: string): void {
 
 function open(): void {
   try {
-    const opened = linkedTo(account.peek()!);
-    links = opened;
+    links = linkedTo(account.peek()!);
   } catch (error) {
     disconnect(texts.addressRefused(error instanceof Error ? error.message : ""));
   }
@@ -178,14 +177,17 @@ export function want(gateways: string[]): void {
   tellWishes();
 }
 
+const kept = (gateway: string) => [topics.birthOf(gateway), topics.statesOf(gateway)];
+
 function tellWishes(): void {
   const link = links?.news;
   if (!link?.isOpen) return;
   const user = account.peek()!.user;
   const isSeen = document.visibilityState === "visible";
   const { wish, end: ended, first } = wishes.due(isSeen ? wanted : [], performance.now());
-  link.subscribe(first.map(topics.telemetryOf));
-  link.unsubscribe(ended.map(topics.telemetryOf));
+  // The broker tells what it keeps to each subscription: what it has dropped of what is in sight is told then.
+  link.subscribe([...first.map(topics.telemetryOf), ...wish.flatMap(kept)]);
+  link.unsubscribe([...ended.map(topics.telemetryOf), ...ended.flatMap(kept)]);
   for (const name of wish) link.publish({ topic: topics.wishOf(name, user), payload: "page", retained: true, expiryS: wishExpiryS });
   for (const name of ended) link.publish({ topic: topics.wishOf(name, user), payload: "", retained: true });
 }
@@ -201,7 +203,7 @@ function takeWishesBack(): void {
 /** Every press goes out, whatever became of those before. `scope`: a gateway, or all. */
 export function stop(scope: string): void {
   if (status.peek().is === "form") return;
-  if (scope === topics.all) runs.clear();
+  for (const [other, run] of runs) if (scope === topics.all || run.isConfirmed()) runs.delete(other);
   stopRefused.value = "";
   const run = new StopRun(scope, drawId(), performance.now());
   run.look(fleet);

@@ -93,6 +93,10 @@ export class StopRun {
   isOver(now: number): boolean {
     return now - this.began > giveUpMs || (this.#expected.size > 0 && this.#asked !== -Infinity && this.#unfinished().length === 0);
   }
+  /** By all, and there is something. */
+  isConfirmed(): boolean {
+    return this.#expected.size > 0 && [...this.#expected.values()].every(isDone);
+  }
 
   report(now: number): StopReport {
     const report: StopReport = { scope: this.scope, isOver: this.isOver(now), done: [], axes: 0, missing: [] };

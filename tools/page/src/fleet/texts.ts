@@ -20,7 +20,7 @@ const endings: Record<Ending["is"], string> = {
 const reasons: Record<number, string> = {
   0x84: "it does not speak MQTT 5",
   0x86: "user name or password are wrong",
-  0x87: "this user may not do that",
+  0x87: "user name or password are wrong, or this user may not",
   0x88: "it is not available",
   0x89: "it is busy",
   0x8b: "it shuts down",
