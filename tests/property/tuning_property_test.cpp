@@ -217,8 +217,12 @@ void expect_hold_current(const Load& load, const Tuning& found) {
   EXPECT_LT(hold.limit, least + 8);
   EXPECT_GE(hold.proposed, least);
   // It stood with none.
-  if (least != 0) EXPECT_EQ(hold.limited_by, LimitedBy::motor);
-  if (hold.limited_by == LimitedBy::motor) EXPECT_GE(hold.proposed, least + 8);
+  if (least != 0) {
+    EXPECT_EQ(hold.limited_by, LimitedBy::motor);
+  }
+  if (hold.limited_by == LimitedBy::motor) {
+    EXPECT_GE(hold.proposed, least + 8);
+  }
   const auto slid = [](const TuneTrial& one) { return one.sought == Sought::hold && !one.held; };
   EXPECT_LE(std::ranges::count_if(found.trials, slid), 1);
 }
