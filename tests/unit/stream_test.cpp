@@ -408,6 +408,35 @@ TEST_P(EachMode, AShortLegIsNoReasonToGoBeyondAJoint) {
   EXPECT_LT(farthest, 0.2);
 }
 
+// X goes to its turn slowly and back fast, while Y goes on. Most updates that lead back come before
+// the turn, the others less than half a period later, whether or not the generator brakes already.
+TEST(Stream, AnAxisTurnsRoundByTheFirstUpdateThatLeadsBack) {
+  for (int i = 0; i < 40; ++i) {
+    Bench bench;
+    path_file::Path path{{"X", "Y"}, {}, {}};
+    const double y = 1.3 + 0.005 * i;
+    SCOPED_TRACE(y);
+    path.elements = {path_file::LineTo{{0.1, y}, {}, {}, 1},
+                     path_file::LineTo{{-0.4, y + 1}, {}, {}, 2}};
+    std::vector<double> told_at;
+    bench.instead = [&](const DriveCommand& command) -> std::optional<tmcl::Result<std::int32_t>> {
+      const bool tells_target = command.kind == Kind::set && command.axis == 0 &&
+                                command.parameter == ap::target_position;
+      if (tells_target) told_at.push_back(bench.stream().passed());
+      return std::nullopt;
+    };
+    double farthest = 0;
+    bench.every_ms = [&] {
+      farthest = std::max(farthest, test::off(path, bench.mm(0), bench.mm(1)));
+    };
+    const auto report = bench.pass(path, StreamMode::velocity);
+    ASSERT_FALSE(report.fault) << report.fault->message;
+    ASSERT_EQ(told_at.size(), 1U);
+    EXPECT_LT(told_at[0], bench.course().turns(0)[0].time + seconds(report.period) / 2);
+    EXPECT_LT(farthest, 0.085);
+  }
+}
+
 // Slower than a ramp generator can be: that is none that stands.
 TEST(Stream, AnAxisThatHardlyMovesMovesAllTheSame) {
   Bench bench;

@@ -47,6 +47,7 @@ class GuidedRunner : public StreamRunner {
   void correct(std::size_t axis);
   /// In microsteps per second squared.
   double acceleration_of(std::size_t axis, std::int32_t value) const;
+  double acceleration_now(std::size_t axis, std::uint8_t parameter) const;
   /// What the course does not need of an acceleration, in microsteps per second squared.
   double left_by_course(std::size_t axis, double acceleration) const;
   static std::int32_t greatest_acceleration_of(const StreamAxis& axis);

@@ -141,16 +141,18 @@ StreamScript GuidedRunner::guide(std::size_t axis, std::int32_t velocity, double
   co_return std::nullopt;
 }
 
-// On the way to the target that it has, by the acceleration with which it gets slower. At the
-// target it has stopped.
+// Turned round, it brakes at once, by the acceleration with which it gets slower. Otherwise its
+// generator brakes for the target: if that is no harder, the axis goes as far. At the target it has
+// stopped.
 bool GuidedRunner::stops_in_time(std::size_t axis) const {
   const auto& here = guided_[axis];
+  const auto& guidance = guidance_of(axes_[axis].family);
+  const double slowing = acceleration_now(axis, guidance.slowing);
+  if (acceleration_now(axis, guidance.accelerations.back()) <= slowing) return true;
   const auto then = now_ + report_.round_trip / 2;
   const double way = (here.target - expected(axis, then)) * heading(axis);
   const double speed = expected_speed(axis, then) * heading(axis);
-  if (speed <= 0 || way <= 1) return true;
-  const auto slowing = settings_[axis].now(guidance_of(axes_[axis].family).slowing);
-  return speed * speed <= 2 * acceleration_of(axis, slowing.value_or(0)) * (way - 1);
+  return speed <= 0 || way <= 1 || speed * speed <= 2 * slowing * (way - 1);
 }
 
 // Once the course has turned; or a little earlier, if it does so before the next update and leads
@@ -196,8 +198,8 @@ std::int32_t GuidedRunner::target_from(std::size_t axis, double position) const 
 SpeedRamp GuidedRunner::motion_at(std::size_t axis, TimePoint at) const {
   const auto& [motion, target] = std::tie(guided_[axis].motion, guided_[axis].target);
   if (!has_targets(axis)) return motion.from(at);
-  const auto braking = settings_[axis].now(guidance_of(axes_[axis].family).accelerations.back());
-  auto there = motion.to_target(target, acceleration_of(axis, braking.value_or(0)), at);
+  const auto braking = guidance_of(axes_[axis].family).accelerations.back();
+  auto there = motion.to_target(target, acceleration_now(axis, braking), at);
   // If it cannot brake in time it goes beyond the target, and comes back.
   const double on = there.position;
   there.position = heading(axis) > 0 ? std::min(on, std::max<double>(target, motion.position))
@@ -210,7 +212,7 @@ void GuidedRunner::note_velocity(std::size_t axis, std::int32_t velocity, TimePo
   const auto& guidance = guidance_of(axes_[axis].family);
   const bool slower = std::abs(velocity) < std::abs(here.velocity.value_or(0));
   const auto parameter = slower ? guidance.slowing : guidance.accelerations.front();
-  const double acceleration = acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
+  const double acceleration = acceleration_now(axis, parameter);
   here.motion = motion_at(axis, at);
   here.motion.end_speed = velocity * axes_[axis].units.velocity.value;
   if (acceleration > 0) here.motion.slope = acceleration;
@@ -229,6 +231,10 @@ void GuidedRunner::correct(std::size_t axis) {
 
 double GuidedRunner::acceleration_of(std::size_t axis, std::int32_t value) const {
   return value * axes_[axis].units.acceleration.value;
+}
+
+double GuidedRunner::acceleration_now(std::size_t axis, std::uint8_t parameter) const {
+  return acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
 }
 
 double GuidedRunner::left_by_course(std::size_t axis, double acceleration) const {

@@ -123,13 +123,10 @@ bool SegmentRunner::turns(std::size_t axis, double speed) const {
 
 double SegmentRunner::slope_now(std::size_t axis, double speed) const {
   const auto& guidance = guidance_of(axes_[axis].family);
-  const auto slope = [&](std::uint8_t parameter) {
-    return acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
-  };
-  const double faster = slope(guidance.accelerations.front());
-  if (turns(axis, speed)) return std::min(faster, slope(guidance.slowing));
-  const bool slower = std::abs(speed) < std::abs(guided_[axis].motion.end_speed);
-  return slower ? slope(guidance.slowing) : faster;
+  const double faster = acceleration_now(axis, guidance.accelerations.front());
+  const double slower = acceleration_now(axis, guidance.slowing);
+  if (turns(axis, speed)) return std::min(faster, slower);
+  return std::abs(speed) < std::abs(guided_[axis].motion.end_speed) ? slower : faster;
 }
 
 StreamScript SegmentRunner::set_slopes(std::size_t axis, double speed, double slope,

@@ -167,7 +167,7 @@ double VelocityRunner::correction(std::size_t axis, double behind) const {
   const double scale = std::abs(axes_[axis].microsteps_per_unit);
   const double gain = position_gain / seconds(report_.period);
   const auto parameter = guidance_of(axes_[axis].family).accelerations.front();
-  const double slope = acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
+  const double slope = acceleration_now(axis, parameter);
   const double left = left_by_course(axis, slope);
   // With this, a gain would ask for just as much.
   const double even = left / (gain * gain);
