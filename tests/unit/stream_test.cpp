@@ -437,6 +437,29 @@ TEST(Stream, AnAxisTurnsRoundByTheFirstUpdateThatLeadsBack) {
   }
 }
 
+// Y is behind at the first corner, and has all the way to the second one to catch up. There it
+// stands from one moment to the next, and goes on later: it cannot come back.
+TEST(Stream, AnAxisCatchesUpNoFasterThanItCanStopInTheNextCorner) {
+  for (int i = 0; i < 20; ++i) {
+    Bench bench;
+    bench.round_trip = microseconds(174);
+    path_file::Path path{{"X", "Y"}, {}, {}};
+    const double x = 5.2 + 0.01 * i;
+    SCOPED_TRACE(x);
+    path.elements = {path_file::LineTo{{x, 0}, {}, {}, 1},
+                     path_file::LineTo{{x + 0.486, 0.446}, {}, {}, 2},
+                     path_file::LineTo{{x + 1.486, 0.446}, {}, {}, 3},
+                     path_file::LineTo{{x + 1.485, 0.658}, 4.0, {}, 4}};
+    double farthest = 0;
+    bench.every_ms = [&] {
+      farthest = std::max(farthest, test::off(path, bench.mm(0), bench.mm(1)));
+    };
+    const auto report = bench.pass(path, StreamMode::velocity);
+    ASSERT_FALSE(report.fault) << report.fault->message;
+    EXPECT_LT(farthest, 0.085);
+  }
+}
+
 // Slower than a ramp generator can be: that is none that stands.
 TEST(Stream, AnAxisThatHardlyMovesMovesAllTheSame) {
   Bench bench;

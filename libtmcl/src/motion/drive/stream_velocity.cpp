@@ -1,5 +1,6 @@
 // A stream of velocities.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "motion/drive/guided_runner.hpp"
@@ -11,6 +12,27 @@ namespace {
 constexpr double ramp_part_of_update = 0.5;
 // How many updates are looked at to know how steep a course is.
 constexpr double most_samples = 1e6;
+// At the course, in the time that an axis takes to brake.
+constexpr std::size_t looks_ahead = 8;
+// To which a correction is found.
+constexpr double least_part = 0.01;
+
+// Where a course is from the next update on.
+struct CourseAhead {
+  double step_s = 0;
+  std::array<double, looks_ahead + 1> position{};
+
+  // How far an axis gets beyond it that is there then with this speed, and comes to rest.
+  double passed_by(double from, double speed, double slope) const {
+    double most = 0;
+    for (std::size_t look = 0; look < position.size(); ++look) {
+      const double after =
+          std::min(step_s * static_cast<double>(look), std::max(speed, 0.0) / slope);
+      most = std::max(most, from + (speed - slope * after / 2) * after - position[look]);
+    }
+    return most;
+  }
+};
 
 class VelocityRunner final : public GuidedRunner {
  public:
@@ -26,6 +48,8 @@ class VelocityRunner final : public GuidedRunner {
   Script<Fault> update(std::size_t axis);
   std::int32_t velocity_for(std::size_t axis) const;
   double correction(std::size_t axis, double behind) const;
+  double without_overtaking(std::size_t axis, double speed, double correction) const;
+  CourseAhead course_ahead(std::size_t axis, double sense, double time_s) const;
 
   std::vector<TimePoint> due_ = std::vector<TimePoint>(axes());  // of each axis' next update
   AxisValues steepest_{};  // between updates; in units a second squared
@@ -153,8 +177,9 @@ std::int32_t VelocityRunner::velocity_for(std::size_t axis) const {
   // Readings are whole microsteps. Where the course stands, a motor would go to and fro for one.
   if (std::abs(behind) < (next == planned ? 2 : 1)) behind = 0;
   const double period = seconds(report_.period);
+  const double course_speed = (next - planned) * info.microsteps_per_unit / period;
   const double speed =
-      (next - planned) * info.microsteps_per_unit / period + correction(axis, behind);
+      course_speed + without_overtaking(axis, course_speed, correction(axis, behind));
   const double value = speed / info.units.velocity.value;
   const double most = info.greatest_velocity;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
@@ -174,6 +199,43 @@ double VelocityRunner::correction(std::size_t axis, double behind) const {
   const double off = std::abs(behind);
   const double speed = off <= even ? gain * off : std::sqrt(left * (2 * off - even));
   return std::copysign(std::min(speed, most_correction * course_.top_speed(axis) * scale), behind);
+}
+
+// As much of a correction as brings the axis no farther beyond the course than none, if it brakes
+// from the next update on: in a corner ahead the course may be slower all at once.
+double VelocityRunner::without_overtaking(std::size_t axis, double speed, double correction) const {
+  const double slope = acceleration_now(axis, guidance_of(axes_[axis].family).slowing);
+  const double sense = std::copysign(1.0, correction);
+  const double fastest = sense * (speed + correction);
+  const double within = options_.even_within * std::abs(axes_[axis].microsteps_per_unit);
+  const double way = std::abs(correction) * (seconds(report_.period) + fastest / slope);
+  if (slope <= 0 || fastest <= 0 || way <= within) return correction;
+  const auto course = course_ahead(axis, sense, fastest / slope);
+  auto motion = motion_at(axis, now_);
+  motion.slope = slope;
+  const auto beyond = [&](double part) {
+    motion.end_speed = speed + part * correction;
+    const auto next = motion.from(now_ + report_.period);
+    return course.passed_by(sense * next.position, sense * next.speed, slope);
+  };
+  const double most = std::max(beyond(0), within);
+  if (beyond(1) <= most) return correction;
+  auto [allowed, refused] = std::pair(0.0, 1.0);
+  while (refused - allowed > least_part) {
+    const double part = (allowed + refused) / 2;
+    (beyond(part) > most ? refused : allowed) = part;
+  }
+  return allowed * correction;
+}
+
+CourseAhead VelocityRunner::course_ahead(std::size_t axis, double sense, double time_s) const {
+  CourseAhead ahead{time_s / looks_ahead};
+  for (std::size_t look = 0; look < ahead.position.size(); ++look) {
+    const auto time = report_.period + duration(ahead.step_s * static_cast<double>(look));
+    ahead.position[look] =
+        sense * course_.at(clock_.passed_in(time)).position[axis] * axes_[axis].microsteps_per_unit;
+  }
+  return ahead;
 }
 
 }  // namespace
