@@ -28,6 +28,7 @@ prometheus-cpp-dev|writes /metrics in the form that Prometheus reads
 libexpected-dev|tl::expected, results that are a value or an error
 libncurses-dev|draws the axes on the whole terminal (tmclctl top)
 libmosquitto-dev|puts a gateway on an MQTT broker (tmcld-mqtt)
+libprotozero-dev|Sparkplug, a dialect of MQTT, in Protocol Buffers (tmcld-mqtt)
 libqrencode-dev|draws what a phone reads (tmclctl page --phone)
 '
 

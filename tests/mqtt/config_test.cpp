@@ -67,6 +67,31 @@ TEST(MqttConfig, NamesTheKeyThatIsWrong) {
   }
 }
 
+TEST(MqttConfig, HasTheDialectsOffUntilTheyAreNamed) {
+  const auto off = parse_mqtt_config(least).value();
+  EXPECT_EQ(off.sparkplug_group, "");
+  EXPECT_FALSE(off.home_assistant);
+  const auto on = parse_mqtt_config(least +
+                                    "sparkplug_group = \"plant\"\nsparkplug_host = \"scada\"\n"
+                                    "home_assistant = true\nhome_assistant_prefix = \"ha/b\"\n")
+                      .value();
+  EXPECT_EQ(on.sparkplug_group, "plant");
+  EXPECT_EQ(on.sparkplug_host, "scada");
+  EXPECT_TRUE(on.home_assistant);
+  EXPECT_EQ(on.home_assistant_prefix, "ha/b");
+  EXPECT_THAT(problem_of("sparkplug_group = \"a/b\""), HasSubstr("'sparkplug_group' is 'a/b'"));
+  EXPECT_THAT(problem_of("sparkplug_group = \"\""), HasSubstr("'sparkplug_group'"));
+  EXPECT_THAT(problem_of("sparkplug_host = \"a\""), HasSubstr("needs 'sparkplug_group'"));
+  EXPECT_THAT(problem_of("sparkplug_group = \"a\"\nsparkplug_host = \"#\""),
+              HasSubstr("'sparkplug_host' is '#'"));
+  EXPECT_THAT(problem_of("home_assistant_prefix = \"a\""), HasSubstr("needs 'home_assistant"));
+  EXPECT_THAT(problem_of("home_assistant = true\nhome_assistant_prefix = \"a//b\""),
+              HasSubstr("'home_assistant_prefix' is 'a//b'"));
+  EXPECT_THAT(problem("[mqtt]\nbroker = \"b\"\nsocket = \"s\"\ngateway = \"a.b\"\n"
+                      "home_assistant = true\n"),
+              HasSubstr("Home Assistant takes only"));
+}
+
 TEST(MqttConfig, IsInFilesThatCanBeRead) {
   const auto path = tmcl::test::temp_path("mqtt.toml");
   std::ofstream(path) << least << "ca = \"/nowhere/ca.pem\"\n";

@@ -37,8 +37,11 @@ int report(const std::vector<std::string>& problems) {
 }
 
 int say_config(const MqttConfig& config) {
-  std::printf("ok: gateway %s on broker %s:%d%s\n", config.gateway.c_str(), config.host.c_str(),
-              int{config.port}, config.ca.empty() ? ", without TLS" : "");
+  const auto group =
+      config.sparkplug_group.empty() ? "" : ", in Sparkplug group " + config.sparkplug_group;
+  std::printf("ok: gateway %s on broker %s:%d%s%s%s\n", config.gateway.c_str(), config.host.c_str(),
+              int{config.port}, config.ca.empty() ? ", without TLS" : "", group.c_str(),
+              config.home_assistant ? ", for Home Assistant" : "");
   return ok;
 }
 
@@ -61,7 +64,8 @@ int serve(const MqttConfig& config) {
     return runtime_failure;
   }
   boost::asio::io_context context(1);
-  tmcld::Workers workers(1);
+  // While one connection waits for a name or for TCP, the other one is made.
+  tmcld::Workers workers(config.sparkplug_group.empty() ? 1 : 2);
   BridgeParts parts;
   parts.connect = [&workers](BrokerOptions options, Broker::OnMessage on_message,
                              std::function<void()> on_room) {

@@ -1,5 +1,6 @@
 #include "mqtt_config.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "config/files.hpp"
 #include "config/section_kind.hpp"
+#include "protocol/home_assistant.hpp"
 #include "protocol/topics.hpp"
 #include "tmcl/spelling.hpp"
 
@@ -38,6 +40,13 @@ struct MqttSection : Section {
   TMCL_KEY(Said<std::chrono::milliseconds>, nonce_ttl_ms,
            "how long before a call the nonce may have been given out that it brings", {200, 60000});
   TMCL_KEY(Said<std::string>, log_level, "error, warning, info or debug");
+  TMCL_KEY(Said<std::string>, sparkplug_group,
+           "group of Sparkplug B that the gateway is an edge node of");
+  TMCL_KEY(Said<std::string>, sparkplug_host,
+           "host of Sparkplug B until whose STATE is online births wait");
+  TMCL_KEY(Said<bool>, home_assistant, "tell Home Assistant of the axes by its MQTT discovery");
+  TMCL_KEY(Said<std::string>, home_assistant_prefix,
+           "what the topics of its discovery begin with; homeassistant if absent");
 };
 
 struct MqttText {
@@ -64,6 +73,8 @@ class MqttDraft {
     take(section.socket, config.socket);
     take(section.nonce_ttl_ms, config.nonce_ttl);
     add_log_level(section.log_level);
+    add_sparkplug(section);
+    add_home_assistant(section);
   }
 
   MqttConfig config;
@@ -88,6 +99,8 @@ class MqttDraft {
       complain(section.certificate, "'certificate' needs 'ca': without it there is no TLS");
   }
   void add_broker(const Said<std::string>& broker);
+  void add_sparkplug(const MqttSection& section);
+  void add_home_assistant(const MqttSection& section);
   void add_log_level(const Said<std::string>& level) {
     if (!level) return;
     for (std::size_t i = 0; i < level_names.size(); ++i) {
@@ -123,6 +136,34 @@ void MqttDraft::add_broker(const Said<std::string>& broker) {
     complain(broker, "'broker' is " + quoted(*broker) +
                          ", but must be HOST or HOST:PORT, such as "
                          "broker.example:8883");
+}
+
+void MqttDraft::add_sparkplug(const MqttSection& section) {
+  const std::array names{std::pair{"sparkplug_group", &section.sparkplug_group},
+                         std::pair{"sparkplug_host", &section.sparkplug_host}};
+  for (const auto& [key, said] : names) {
+    if (!*said || is_level(**said)) continue;
+    complain(*said, quoted(key) + " is " + quoted(**said) +
+                        ", but must be 1 to 64 letters, digits, '_', '-', '.', '@'");
+  }
+  if (section.sparkplug_host && !section.sparkplug_group)
+    complain(section.sparkplug_host, "'sparkplug_host' needs 'sparkplug_group'");
+  take(section.sparkplug_group, config.sparkplug_group);
+  take(section.sparkplug_host, config.sparkplug_host);
+}
+
+void MqttDraft::add_home_assistant(const MqttSection& section) {
+  take(section.home_assistant, config.home_assistant);
+  take(section.home_assistant_prefix, config.home_assistant_prefix);
+  const auto& prefix = section.home_assistant_prefix;
+  if (prefix && !std::ranges::all_of(levels_of(*prefix), is_level))
+    complain(prefix, "'home_assistant_prefix' is " + quoted(*prefix) +
+                         ", but must be levels of a topic, such as homeassistant");
+  if (prefix && !config.home_assistant)
+    complain(prefix, "'home_assistant_prefix' needs 'home_assistant = true'");
+  if (config.home_assistant && section.gateway && !is_home_assistant_id(*section.gateway))
+    complain(section.gateway, "'gateway' is " + quoted(*section.gateway) +
+                                  ", but Home Assistant takes only letters, digits, '_' and '-'");
 }
 
 void demand_section(const MqttText& text, tmcl::TextProblems& problems, const std::string& file) {

@@ -25,6 +25,11 @@ struct MqttConfig {
   std::string key{};
   std::chrono::milliseconds nonce_ttl{2000};
   tmcld::LogLevel log_level = tmcld::LogLevel::info;
+  /// Levels of topics; empty: without Sparkplug, and its births wait for no host.
+  std::string sparkplug_group{};
+  std::string sparkplug_host{};
+  bool home_assistant = false;
+  std::string home_assistant_prefix = "homeassistant";
 };
 
 /// Errors: everything that is wrong, in the order of the text. Opens no file. Never throws.

@@ -32,7 +32,6 @@ using boost::asio::posix::stream_descriptor;
 constexpr int keep_alive_s = 10;
 constexpr auto let_in_timeout = std::chrono::seconds(5);
 constexpr auto housekeeping_interval = std::chrono::seconds(1);
-constexpr std::uint32_t will_delay_s = 1;
 constexpr const char* authorities_of_system = "/etc/ssl/certs";
 
 /// Calls of libmosquitto's are allowed from any thread, but here from one at a time.
@@ -169,7 +168,7 @@ std::string MosquittoBroker::prepare() {
   int error = MOSQ_ERR_SUCCESS;
   if (const auto& will = options_.will) {
     Properties of_will;
-    of_will.add_number(MQTT_PROP_WILL_DELAY_INTERVAL, will_delay_s);
+    of_will.add_number(MQTT_PROP_WILL_DELAY_INTERVAL, options_.will_delay_s);
     error = ::mosquitto_will_set_v5(client_, will->topic.c_str(),
                                     static_cast<int>(will->payload.size()), will->payload.data(),
                                     will->qos, will->retained, of_will.release());
@@ -320,7 +319,8 @@ awaitable<std::string> MosquittoBroker::end() {
 
 void MosquittoBroker::disconnect() {
   if (lost_) return;
-  ::mosquitto_disconnect_v5(client_, 0, nullptr);
+  const int reason = options_.will_at_end ? MQTT_RC_DISCONNECT_WITH_WILL_MSG : 0;
+  ::mosquitto_disconnect_v5(client_, reason, nullptr);
   lose("ended");
 }
 

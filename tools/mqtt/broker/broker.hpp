@@ -33,6 +33,10 @@ struct BrokerOptions {
   std::string password{};
   std::optional<Publication> will{};
   std::uint32_t max_packet_bytes = tmclmqtt::max_packet_bytes;
+  /// Within that a connection may come back without its will being published.
+  std::uint32_t will_delay_s = 1;
+  /// The broker publishes the will also when the connection ends as asked.
+  bool will_at_end = false;
 };
 
 struct Subscribed {

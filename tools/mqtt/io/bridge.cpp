@@ -25,8 +25,6 @@ using tmcld::LogLevel;
 
 constexpr auto look_interval = std::chrono::milliseconds(100);
 constexpr auto pause_without_gateway = std::chrono::seconds(1);
-constexpr auto first_pause_without_broker = std::chrono::milliseconds(500);
-constexpr auto longest_pause_without_broker = std::chrono::seconds(15);
 constexpr std::int32_t state_interval_ms = 200;
 constexpr std::size_t longest_short_answer = 4096;
 
@@ -43,16 +41,36 @@ std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Meth
   return methods;
 }
 
-std::vector<std::string> names_in(const json::object& listed) {
-  std::vector<std::string> names;
+std::vector<ListedAxis> axes_in(const json::object& listed) {
+  std::vector<ListedAxis> axes;
   for (const auto& axis : api::from_json<api::axis::List::Result>(listed).axes)
-    names.push_back(axis.name);
+    axes.push_back({axis.name, axis.unit.value_or(""), axis.state == "ready"});
+  return axes;
+}
+
+std::vector<std::string> names_of(const std::vector<ListedAxis>& axes) {
+  std::vector<std::string> names;
+  for (const auto& axis : axes) names.push_back(axis.name);
   return names;
 }
 
-bool tells_of_configuration(const json::object& event) {
-  const auto* kind = event.if_contains(api::name_of<&api::Event::kind>());
-  return kind != nullptr && *kind == "configuration_loaded";
+/// There may be other axes, or other ones may answer.
+bool tells_of_axes(const json::object& event) {
+  const auto* value = event.if_contains(api::name_of<&api::Event::kind>());
+  if (value == nullptr || !value->is_string()) return false;
+  const std::string_view kind(value->get_string());
+  return kind == "configuration_loaded" || kind.starts_with("module_") || kind.starts_with("link_");
+}
+
+BrokerOptions broker_options(const MqttConfig& config, std::string_view client) {
+  BrokerOptions options;
+  options.host = config.host;
+  options.port = config.port;
+  options.client_id = "tmcld-mqtt-" + config.gateway + std::string(client);
+  options.ca = config.ca;
+  options.certificate = config.certificate;
+  options.key = config.key;
+  return options;
 }
 
 /// By its effect the call may have been carried out.
@@ -85,9 +103,23 @@ Bridge::Bridge(const boost::asio::any_io_executor& executor, MqttConfig config, 
       gate_(config_.gateway, parts_.draw, config_.nonce_ttl),
       births_(gate_.topics().birth(), TMCL_VERSION),
       news_(gate_.topics()),
-      users_(std::make_shared<UserLinks>(executor, config_.socket, gate_)) {}
+      users_(std::make_shared<UserLinks>(executor, config_.socket, gate_)) {
+  if (config_.home_assistant)
+    home_.emplace(config_.gateway, config_.home_assistant_prefix, TMCL_VERSION);
+}
 
 void Bridge::start() {
+  if (!config_.sparkplug_group.empty()) {
+    Sparkplug node({config_.sparkplug_group, config_.gateway, config_.sparkplug_host},
+                   TMCL_VERSION);
+    sparkplug_ = std::make_shared<SparkplugLink>(executor_, broker_options(config_, "-sparkplug"),
+                                                 parts_.connect, std::move(node),
+                                                 [weak = weak_from_this()](std::string line) {
+                                                   if (const auto self = weak.lock())
+                                                     self->log_often(std::move(line));
+                                                 });
+    sparkplug_->start();
+  }
   tmcld::spawn(executor_, serve_gateway(shared_from_this()));
   tmcld::spawn(executor_, serve_broker(shared_from_this()));
   tmcld::spawn(executor_, look(shared_from_this()));
@@ -96,6 +128,7 @@ void Bridge::start() {
 void Bridge::stop() {
   if (std::exchange(stopping_, true)) return;
   disconnect();
+  if (sparkplug_) sparkplug_->stop();
   users_->close();
   if (gateway_) gateway_->close();
 }
@@ -106,13 +139,20 @@ awaitable<void> Bridge::look(std::shared_ptr<Bridge> self) {
     self->gate_.look(now);
     self->users_->end_silent_ones(now);
     if (self->calls_.broker) {
-      self->add_news(self->news_.due(now));
-      if (auto birth = self->births_.due(now)) self->calls_.outbox.add_news(std::move(*birth));
+      self->add_due_news(now);
       self->flush(self->calls_);
     }
+    if (self->sparkplug_) self->sparkplug_->look();
     self->parts_.on_turn();
     co_await tmcld::rest(look_interval);
   }
+}
+
+void Bridge::add_due_news(tmcl::TimePoint now) {
+  add_news(news_.due(now));
+  if (auto birth = births_.due(now)) calls_.outbox.add_news(std::move(*birth));
+  if (!home_) return;
+  if (auto config = home_->due(now)) calls_.outbox.add_news(std::move(*config));
 }
 
 void Bridge::log_often(std::string line) {
@@ -145,6 +185,8 @@ awaitable<std::string> Bridge::use_gateway() {
     co_return known.error().message;
   }
   gateway_ = link;
+  know_axes(axes_);
+  if (std::exchange(axes_are_old_, false)) tmcld::spawn(executor_, list_axes(shared_from_this()));
   say_birth();
   add_news(news_.all_states(now()));
   flush(calls_);
@@ -152,6 +194,7 @@ awaitable<std::string> Bridge::use_gateway() {
   co_await link->end();
   gateway_ = nullptr;
   axes_.clear();
+  if (sparkplug_) sparkplug_->forget();
   gate_.know_methods({});
   news_.forget_axes();
   say_birth();
@@ -162,19 +205,21 @@ awaitable<Result<void>> Bridge::get_to_know(GatewayLink& link) {
   auto asking = link.call(api::rpc::Discover::method.name, json::object());
   const auto methods = co_await std::move(asking);
   if (!methods) co_return tl::unexpected(methods.error());
-  asking = link.call(api::axis::List::method.name, json::object());
-  const auto axes = co_await std::move(asking);
-  if (!axes) co_return tl::unexpected(axes.error());
   api::Subscribe all;
   all.interval_ms = state_interval_ms;
   asking = link.call(api::Subscribe::method.name, api::to_json(all));
   const auto subscribed = co_await std::move(asking);
   if (!subscribed) co_return tl::unexpected(subscribed.error());
+  // Modules may have been met only by the looks of the subscription.
+  axes_are_old_ = false;
+  asking = link.call(api::axis::List::method.name, json::object());
+  const auto axes = co_await std::move(asking);
+  if (!axes) co_return tl::unexpected(axes.error());
   gate_.know_methods(methods_of(api::from_json<api::rpc::Methods>(*methods)));
-  axes_ = names_in(*axes);
+  axes_ = axes_in(*axes);
   if (const auto* states = subscribed->if_contains("states"); states && states->is_array()) {
     for (const auto& state : states->get_array())
-      if (state.is_object()) news_.hear(state.get_object(), now());
+      if (state.is_object()) hear_state(state.get_object());
   }
   co_return Result<void>();
 }
@@ -185,31 +230,44 @@ awaitable<void> Bridge::list_axes(std::shared_ptr<Bridge> self) {
   auto asking = link->call(api::axis::List::method.name, json::object());
   const auto axes = co_await std::move(asking);
   if (!axes || self->gateway_ != link) co_return;
-  self->axes_ = names_in(*axes);
-  self->add_news(self->news_.keep_only(self->axes_));
-  self->say_birth();
+  const auto before = names_of(self->axes_);
+  self->know_axes(axes_in(*axes));
+  const auto names = names_of(self->axes_);
+  self->add_news(self->news_.keep_only(names));
+  if (names != before) self->say_birth();
+}
+
+void Bridge::know_axes(std::vector<ListedAxis> axes) {
+  axes_ = std::move(axes);
+  if (sparkplug_) sparkplug_->know(gateway_->daemon_version(), axes_);
+  if (home_) home_->know(axes_, now());
 }
 
 void Bridge::hear(std::string_view method, const json::object& params) {
-  if (method == api::Event::notification && tells_of_configuration(params))
+  if (method == api::Event::notification && tells_of_axes(params)) {
+    axes_are_old_ = !gateway_;
     tmcld::spawn(executor_, list_axes(shared_from_this()));
+  }
   if (method != api::NewState::notification) return;
-  add_news(news_.hear(params, now()));
+  hear_state(params);
   flush(calls_);
+}
+
+void Bridge::hear_state(const json::object& state) {
+  add_news(news_.hear(state, now()));
+  if (sparkplug_) sparkplug_->hear(state);
 }
 
 // ---- the broker --------------------------------------------------------------------------------
 
 awaitable<void> Bridge::serve_broker(std::shared_ptr<Bridge> self) {
-  tmcl::Duration pause = first_pause_without_broker;
+  Pauses pauses;
   while (!self->stopping_) {
     const auto began = self->now();
     const auto why = co_await self->use_broker();
     if (self->stopping_) break;
     self->log_often(fmt::format("broker {}:{}: {}", self->config_.host, self->config_.port, why));
-    if (self->now() - began > longest_pause_without_broker) pause = first_pause_without_broker;
-    co_await tmcld::rest(pause);
-    pause = std::min<tmcl::Duration>(2 * pause, longest_pause_without_broker);
+    co_await tmcld::rest(pauses.next(self->now() - began));
   }
 }
 
@@ -240,13 +298,7 @@ awaitable<std::string> Bridge::use_broker() {
 
 awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::string_view client,
                                                            std::optional<Publication> will) {
-  BrokerOptions options;
-  options.host = config_.host;
-  options.port = config_.port;
-  options.client_id = "tmcld-mqtt-" + config_.gateway + std::string(client);
-  options.ca = config_.ca;
-  options.certificate = config_.certificate;
-  options.key = config_.key;
+  auto options = broker_options(config_, client);
   options.will = std::move(will);
   auto on_message = [weak = weak_from_this(), &line](const Message& message) {
     if (const auto self = weak.lock()) self->take(line, message);
@@ -273,6 +325,10 @@ void Bridge::begin_on_broker() {
   calls_.broker->subscribe({gate_.topics().all_calls(), 0});
   calls_.broker->subscribe({gate_.topics().all_wishes(), 0});
   calls_.broker->subscribe({gate_.topics().birth(), 0});
+  if (home_) {
+    for (const auto& filter : home_->filters()) calls_.broker->subscribe({filter, 0});
+    home_->begin(now());
+  }
   say_birth();
   add_news(news_.all_states(now()));
   flush(calls_);
@@ -293,7 +349,7 @@ void Bridge::say_birth() {
   if (!calls_.broker) return;
   calls_.outbox.add_news(
       births_.birth({gate_.epoch(), gate_.time_to_live(),
-                     gateway_ ? gateway_->daemon_version() : std::string(), axes_},
+                     gateway_ ? gateway_->daemon_version() : std::string(), names_of(axes_)},
                     now()));
   flush(calls_);
 }
@@ -322,6 +378,7 @@ void Bridge::take(Line& line, const Message& message) {
   const auto now = this->now();
   auto judged = gate_.judge(message, now);
   if (std::holds_alternative<BirthSeen>(judged.is)) births_.see(message);
+  if (home_) home_->take(message, now);
   if (judged.must_be_cleared) {
     log_often("a message that a broker keeps was taken off it: " + message.topic);
     line.outbox.add_news({.topic = message.topic, .retained = true});

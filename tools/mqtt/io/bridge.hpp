@@ -12,12 +12,15 @@
 
 #include "broker/broker.hpp"
 #include "io/gateway_link.hpp"
+#include "io/sparkplug_link.hpp"
 #include "io/user_links.hpp"
 #include "log/limiter.hpp"
 #include "mqtt_config.hpp"
 #include "protocol/axis_news.hpp"
 #include "protocol/births.hpp"
 #include "protocol/gate.hpp"
+#include "protocol/home_assistant.hpp"
+#include "protocol/listed_axis.hpp"
 #include "protocol/outbox.hpp"
 
 namespace tmclmqtt {
@@ -37,7 +40,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   /// Says farewell to the broker, and closes everything.
   void stop();
   /// A thread waits for a broker's name or its TCP, which cannot be called back.
-  bool is_connecting() const { return connecting_; }
+  bool is_connecting() const { return connecting_ || (sparkplug_ && sparkplug_->is_connecting()); }
 
  private:
   static boost::asio::awaitable<void> serve_gateway(std::shared_ptr<Bridge> self);
@@ -48,9 +51,11 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   boost::asio::awaitable<std::string> use_gateway();
   /// What there is to be asked for and to be told of. Errors: those of tmcld.
   boost::asio::awaitable<tmcl::client::Result<void>> get_to_know(GatewayLink& link);
-  /// The configuration of tmcld is another one.
+  /// There may be others, or other ones may answer.
   static boost::asio::awaitable<void> list_axes(std::shared_ptr<Bridge> self);
+  void know_axes(std::vector<ListedAxis> axes);
   void hear(std::string_view method, const boost::json::object& params);
+  void hear_state(const boost::json::object& state);
   /// A connection to the broker, and what waits for it. Stops have one of their own: what fills
   /// the other one, with calls or with answers, keeps none out.
   struct Line {
@@ -73,6 +78,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
               const tmcl::client::Result<boost::json::object>& result);
   void say_birth();
   void add_news(std::vector<Publication> news);
+  void add_due_news(tmcl::TimePoint now);
   void flush(Line& line);
   void log_often(std::string line);
   tmcl::TimePoint now() const { return clock_.now(); }
@@ -88,7 +94,10 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   Line stops_;
   std::shared_ptr<UserLinks> users_;
   std::shared_ptr<GatewayLink> gateway_;  ///< Of its own; null while tmcld is not there.
-  std::vector<std::string> axes_;
+  std::vector<ListedAxis> axes_;
+  bool axes_are_old_ = false;  ///< Something has happened to them since they were listed.
+  std::shared_ptr<SparkplugLink> sparkplug_;  ///< Null: not configured.
+  std::optional<HomeAssistant> home_;         ///< None: not configured.
   tmcld::LogLimiter limiter_;
   bool connecting_ = false;
   bool stopping_ = false;
