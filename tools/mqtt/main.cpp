@@ -64,8 +64,7 @@ int serve(const MqttConfig& config) {
     return runtime_failure;
   }
   boost::asio::io_context context(1);
-  // While one connection waits for a name or for TCP, the other one is made.
-  tmcld::Workers workers(config.sparkplug_group.empty() ? 1 : 2);
+  tmcld::Workers workers(1);
   BridgeParts parts;
   parts.connect = [&workers](BrokerOptions options, Broker::OnMessage on_message,
                              std::function<void()> on_room) {

@@ -109,20 +109,26 @@ Bridge::Bridge(const boost::asio::any_io_executor& executor, MqttConfig config, 
 }
 
 void Bridge::start() {
-  if (!config_.sparkplug_group.empty()) {
-    Sparkplug node({config_.sparkplug_group, config_.gateway, config_.sparkplug_host},
-                   TMCL_VERSION);
-    sparkplug_ = std::make_shared<SparkplugLink>(executor_, broker_options(config_, "-sparkplug"),
-                                                 parts_.connect, std::move(node),
-                                                 [weak = weak_from_this()](std::string line) {
-                                                   if (const auto self = weak.lock())
-                                                     self->log_often(std::move(line));
-                                                 });
-    sparkplug_->start();
-  }
+  start_sparkplug();
   tmcld::spawn(executor_, serve_gateway(shared_from_this()));
   tmcld::spawn(executor_, serve_broker(shared_from_this()));
   tmcld::spawn(executor_, look(shared_from_this()));
+}
+
+void Bridge::start_sparkplug() {
+  if (config_.sparkplug_group.empty()) return;
+  Sparkplug node({config_.sparkplug_group, config_.gateway, config_.sparkplug_host}, TMCL_VERSION);
+  const auto weak = weak_from_this();
+  sparkplug_ = std::make_shared<SparkplugLink>(
+      executor_, broker_options(config_, "-sparkplug"), parts_.connect, std::move(node),
+      [weak] {
+        const auto self = weak.lock();
+        return self && self->calls_.broker;
+      },
+      [weak](std::string line) {
+        if (const auto self = weak.lock()) self->log_often(std::move(line));
+      });
+  sparkplug_->start();
 }
 
 void Bridge::stop() {

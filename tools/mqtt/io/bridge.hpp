@@ -46,6 +46,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   static boost::asio::awaitable<void> serve_gateway(std::shared_ptr<Bridge> self);
   static boost::asio::awaitable<void> serve_broker(std::shared_ptr<Bridge> self);
   static boost::asio::awaitable<void> look(std::shared_ptr<Bridge> self);
+  void start_sparkplug();
 
   /// Until the connection to tmcld is lost; why.
   boost::asio::awaitable<std::string> use_gateway();

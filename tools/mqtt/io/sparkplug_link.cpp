@@ -1,5 +1,6 @@
 #include "io/sparkplug_link.hpp"
 
+#include <chrono>
 #include <utility>
 
 #include "async/rest.hpp"
@@ -10,14 +11,22 @@ namespace tmclmqtt {
 
 using boost::asio::awaitable;
 
+namespace {
+
+constexpr auto until_others_are_there = std::chrono::milliseconds(100);
+
+}  // namespace
+
 SparkplugLink::SparkplugLink(const boost::asio::any_io_executor& executor, BrokerOptions options,
                              ConnectToBroker connect, Sparkplug node,
+                             std::function<bool()> may_connect,
                              std::function<void(std::string)> complain)
     : executor_(executor),
       clock_(executor),
       options_(std::move(options)),
       connect_(std::move(connect)),
       node_(std::move(node)),
+      may_connect_(std::move(may_connect)),
       complain_(std::move(complain)) {}
 
 void SparkplugLink::start() { tmcld::spawn(executor_, serve(shared_from_this())); }
@@ -45,10 +54,14 @@ void SparkplugLink::forget() {
 awaitable<void> SparkplugLink::serve(std::shared_ptr<SparkplugLink> self) {
   Pauses pauses;
   while (!self->stopping_) {
+    if (!self->may_connect_()) {
+      co_await tmcld::rest(until_others_are_there);
+      continue;
+    }
     const auto began = self->clock_.now();
     const auto why = co_await self->use_broker();
     if (self->stopping_) break;
-    self->complain_("Sparkplug: broker " + self->options_.host + ": " + why);
+    if (!why.empty()) self->complain_("Sparkplug: broker " + self->options_.host + ": " + why);
     co_await tmcld::rest(pauses.next(self->clock_.now() - began));
   }
 }
@@ -80,8 +93,8 @@ awaitable<std::string> SparkplugLink::use_broker() {
   node_.connected();
   tmcld::log(tmcld::LogLevel::info, "Sparkplug: on broker " + options_.host);
   flush();
-  const auto why = co_await broker->end();
-  broker_ = nullptr;
+  auto why = co_await broker->end();
+  if (!std::exchange(broker_, nullptr)) why.clear();
   node_.end();
   co_return why;
 }

@@ -1,6 +1,7 @@
 /// The connection to the broker by which a gateway is an edge node of Sparkplug. A connection has one
-/// will, and that of calls has another: so it is one of its own. It comes and goes for itself, and
-/// neither ends the other ones nor with them: what it tells is known from tmcld, not from them.
+/// will, and that of calls has another: so it is one of its own. It neither ends the other ones nor
+/// ends with them: what it tells is known from tmcld, not from them. Only to connect it waits for
+/// them: one thread waits for names and TCP, and calls and stops come first there.
 #pragma once
 
 #include <functional>
@@ -20,10 +21,11 @@ namespace tmclmqtt {
 
 class SparkplugLink : public std::enable_shared_from_this<SparkplugLink> {
  public:
-  /// `options`: of its connections, but for the will. `complain`: for the log; may be the same again
-  /// and again.
+  /// `options`: of its connections, but for the will. `may_connect`: the others are connected.
+  /// `complain`: for the log; may be the same again and again.
   SparkplugLink(const boost::asio::any_io_executor& executor, BrokerOptions options,
-                ConnectToBroker connect, Sparkplug node, std::function<void(std::string)> complain);
+                ConnectToBroker connect, Sparkplug node, std::function<bool()> may_connect,
+                std::function<void(std::string)> complain);
 
   void start();
   /// Says farewell, and closes the connection.
@@ -41,7 +43,7 @@ class SparkplugLink : public std::enable_shared_from_this<SparkplugLink> {
  private:
   static boost::asio::awaitable<void> serve(std::shared_ptr<SparkplugLink> self);
 
-  /// Until the connection is lost; why.
+  /// Until the connection is lost; why. Empty: it was ended here.
   boost::asio::awaitable<std::string> use_broker();
   void take(const Message& message);
   void flush();
@@ -53,6 +55,7 @@ class SparkplugLink : public std::enable_shared_from_this<SparkplugLink> {
   BrokerOptions options_;
   ConnectToBroker connect_;
   Sparkplug node_;
+  std::function<bool()> may_connect_;
   std::function<void(std::string)> complain_;
   std::shared_ptr<Broker> broker_;  ///< Null while there is none.
   bool connecting_ = false;
