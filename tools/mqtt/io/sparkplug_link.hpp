@@ -1,7 +1,7 @@
-/// The connection to the broker by which a gateway is an edge node of Sparkplug. A connection has one
-/// will, and that of calls has another: so it is one of its own. It neither ends the other ones nor
-/// ends with them: what it tells is known from tmcld, not from them. Only to connect it waits for
-/// them: one thread waits for names and TCP, and calls and stops come first there.
+/// The connection to the broker by which a gateway is an edge node of Sparkplug. A connection has
+/// one will, and that of calls has another: so it is one of its own. It neither ends the other ones
+/// nor ends with them: what it tells is known from tmcld, not from them. Only to connect it waits
+/// for them: one thread waits for names and TCP, and calls and stops come first there.
 #pragma once
 
 #include <functional>

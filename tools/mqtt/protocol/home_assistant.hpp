@@ -1,5 +1,6 @@
-/// What Home Assistant is told by its MQTT discovery: a device with sensors for each axis, which read
-/// the topics of states, and a button that stops all axes. Retained. Does no I/O, reads no clock.
+/// What Home Assistant is told by its MQTT discovery: a device with sensors for each axis, which
+/// read the topics of states, and a button that stops all axes. Retained. Does no I/O, reads no
+/// clock.
 #pragma once
 
 #include <map>
@@ -29,8 +30,7 @@ class HomeAssistant {
   /// Components of axes that are gone.
   static constexpr std::size_t most_removed = 256;
 
-  /// `gateway`: see is_home_assistant_id(); `prefix`: of Home Assistant's topics; `version`: of this
-  /// program.
+  /// `gateway`: see is_home_assistant_id(); `prefix`: of its topics; `version`: of this program.
   HomeAssistant(const std::string& gateway, const std::string& prefix, std::string_view version);
 
   /// What a connection subscribes to.

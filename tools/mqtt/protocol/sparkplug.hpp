@@ -1,7 +1,7 @@
-/// A gateway as an edge node of Sparkplug B 3.0, and each of its axes as a device of that. A message
-/// is made when the broker takes one, from what is known then: nothing waits, no sequence number is
-/// left out, and what has changed twice meanwhile is told once. The one command that it takes is a
-/// rebirth. Does no I/O, reads no clock.
+/// A gateway as an edge node of Sparkplug B 3.0, and each of its axes as a device of that. A
+/// message is made when the broker takes one, from what is known then: nothing waits, no sequence
+/// number is left out, and what has changed twice meanwhile is told once. The one command that it
+/// takes is a rebirth. Does no I/O, reads no clock.
 #pragma once
 
 #include <cstdint>
