@@ -120,7 +120,7 @@ TEST_F(MqttHomeAssistant, IsToldOnceTheAxesAreKnown) {
   const auto config = told();
   EXPECT_EQ(text_of(config, "availability_topic"), "tmcl/v1/hall-1/birth");
   EXPECT_THAT(text_of(config, "availability_template"), HasSubstr("value_json.online"));
-  EXPECT_EQ(config.at("cmps").as_object().size(), 2 * 8 + 1);
+  EXPECT_EQ(config.at("cmps").as_object().size(), 2 * 7 + 1);
   EXPECT_TRUE(told().empty());
   home.know({{"x", "mm", false}, {"phi", "", true}}, now);
   EXPECT_TRUE(told().empty()) << "nothing that it is told of has changed";
@@ -140,7 +140,8 @@ TEST_F(MqttHomeAssistant, ReadsTheStatesOfAxes) {
   const auto& phi = all.at("phi_position").as_object();
   EXPECT_EQ(text_of(phi, "value_template"), "{{ value_json.position_microsteps }}");
   EXPECT_FALSE(phi.contains("device_class"));
-  EXPECT_EQ(text_of(all.at("turn_velocity").as_object(), "unit_of_measurement"), "deg/s");
+  EXPECT_EQ(text_of(all.at("turn_position").as_object(), "unit_of_measurement"), "deg");
+  EXPECT_FALSE(all.at("turn_position").as_object().contains("device_class"));
   EXPECT_EQ(text_of(all.at("x_moving").as_object(), "device_class"), "moving");
   EXPECT_EQ(text_of(all.at("x_fault").as_object(), "device_class"), "problem");
 }
@@ -175,7 +176,7 @@ TEST_F(MqttHomeAssistant, RemovesTheComponentsOfAnAxisThatHasGone) {
   home.know({{"x", "mm", true}}, now);
   auto config = told();
   const auto* all = &config.at("cmps").as_object();
-  EXPECT_EQ(all->size(), 2 * 8 + 1);
+  EXPECT_EQ(all->size(), 2 * 7 + 1);
   EXPECT_EQ(all->at("y_position"), (json::object{{"p", "sensor"}}));
   EXPECT_EQ(all->at("y_moving"), (json::object{{"p", "binary_sensor"}}));
   EXPECT_GT(all->at("x_position").as_object().size(), 1U);
@@ -194,7 +195,7 @@ TEST_F(MqttHomeAssistant, RemovesWhatAnEarlierRunHasLeft) {
   now += HomeAssistant::least_interval;
   const auto config = told();
   const auto& all = config.at("cmps").as_object();
-  EXPECT_EQ(all.size(), 8 + 1 + 1);
+  EXPECT_EQ(all.size(), 7 + 1 + 1);
   EXPECT_EQ(all.at("old_position"), (json::object{{"p", "sensor"}}));
   for (const auto* text : {"x", "[]", "{}", R"({"cmps":7})"}) {
     config_there(text);

@@ -43,12 +43,6 @@ tmcl::Duration delay_of(std::string_view gateway) {
   return std::chrono::milliseconds(std::hash<std::string_view>{}(gateway) % longest);
 }
 
-void add_place(json::object& component, const std::string& unit, std::string_view member,
-               std::string_view without_unit) {
-  component["value_template"] = value_of(unit.empty() ? without_unit : member);
-  component["state_class"] = "measurement";
-}
-
 }  // namespace
 
 bool is_home_assistant_id(std::string_view name) {
@@ -78,17 +72,14 @@ json::object HomeAssistant::components_of(const ListedAxis& axis) const {
   const auto add = [&](std::string_view what, json::object component) {
     all[axis.name + '_' + std::string(what)] = std::move(component);
   };
-  const auto unit = axis.unit.empty() ? std::string("microsteps") : axis.unit;
+  // A velocity would be that of the begin of a move: states are not told on the way.
   auto position = sensor(axis, "position", "position");
-  add_place(position, axis.unit, "position", "position_microsteps");
-  position["unit_of_measurement"] = unit;
-  if (std::ranges::count(distances, std::string_view(unit)) != 0)
+  position["value_template"] = value_of(axis.unit.empty() ? "position_microsteps" : "position");
+  position["state_class"] = "measurement";
+  position["unit_of_measurement"] = axis.unit.empty() ? "microsteps" : json::string(axis.unit);
+  if (std::ranges::count(distances, std::string_view(axis.unit)) != 0)
     position["device_class"] = "distance";
   add("position", std::move(position));
-  auto velocity = sensor(axis, "velocity", "velocity");
-  add_place(velocity, axis.unit, "velocity", "velocity_pps");
-  velocity["unit_of_measurement"] = unit + "/s";
-  add("velocity", std::move(velocity));
   const auto add_text = [&](std::string_view what, std::string_view name, const char* text) {
     auto component = sensor(axis, what, name);
     component["value_template"] = text;
