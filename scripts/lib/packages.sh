@@ -58,6 +58,7 @@ python3-venv|a place for that package and its tests
 python3-pytest|the plugin of that package
 mosquitto|the broker that tmcld-mqtt is tested on
 mosquitto-clients|clients of that broker
+faketime|clocks that are wrong
 python3-tango|the bridge to Tango, without its database
 '
 

@@ -8,6 +8,7 @@ import getpass
 import json
 import pathlib
 import queue
+import re
 import shutil
 import signal
 import socket
@@ -84,15 +85,29 @@ def make_certificates(*more):
     run("bash", "-c", command_of_page("openssl req -x509"), cwd=folder)
     (folder / "names").write_text("subjectAltName=DNS:localhost\n")
     for name in ("broker", GATEWAY, "anna", "eve", *more):
-        run("bash", "-c", command_of_page("openssl req -newkey").replace("hall-1", name), cwd=folder)
-        run("bash", "-c", command_of_page("openssl x509").replace("hall-1", name) + " -extfile names", cwd=folder)
+        request = command_of_page("openssl req -newkey").replace("hall-1", file_of(name))
+        run("bash", "-c", request.replace(f"/CN={file_of(name)}", f"'/CN={subject(name)}'"), cwd=folder)
+        run("bash", "-c", command_of_page("openssl x509").replace("hall-1", file_of(name)) + " -extfile names", cwd=folder)
 
 
-def write_broker_config():
+def subject(name):
+    return re.sub(r"([/+])", r"\\\1", name)
+
+
+def file_of(name):
+    """That of a certificate, without its suffix."""
+    return re.sub(r"[^a-z0-9-]", lambda one: f"{ord(one[0]):x}", name)
+
+
+def certificate_of(user):
+    return folder / f"{file_of(user)}.crt", folder / f"{file_of(user)}.key"
+
+
+def write_broker_config(more=""):
     text = (ROOT / "config/fleet/mosquitto.conf").read_text()
     text = text.replace("listener 8883", f"listener {PORT} 127.0.0.1")
     text = text.replace("/etc/mosquitto/certs/", f"{folder}/").replace("/etc/mosquitto/tmcl.acl", f"{folder}/tmcl.acl")
-    (folder / "mosquitto.conf").write_text(text + f"user {getpass.getuser()}\n")
+    (folder / "mosquitto.conf").write_text(text + f"user {getpass.getuser()}\n{more}\n")
     shutil.copy(ROOT / "config/fleet/tmcl.acl", folder)
     (folder / "tmcl.acl").chmod(0o600)
 
@@ -112,8 +127,8 @@ def is_open(port):
 
 
 def as_user(user):
-    return ["-V", "5", "-h", "localhost", "-p", str(PORT), "--cafile", folder / "ca.crt", "--cert", folder / f"{user}.crt",
-            "--key", folder / f"{user}.key"]
+    certificate, key = certificate_of(user)
+    return ["-V", "5", "-h", "localhost", "-p", str(PORT), "--cafile", folder / "ca.crt", "--cert", certificate, "--key", key]
 
 
 def publish(user, topic, text="", *more):
@@ -249,7 +264,7 @@ def start_simulator():
     return process
 
 
-def write_gateway_config(*more):
+def write_gateway_config(nonce_ttl_ms=TTL_MS, *more):
     """Of tmcld, and of tmcld-mqtt, which gets more lines."""
     text = f"""
 [daemon]
@@ -275,7 +290,7 @@ socket = "{folder}/socket"
 ca = "{folder}/ca.crt"
 certificate = "{folder}/{GATEWAY}.crt"
 key = "{folder}/{GATEWAY}.key"
-nonce_ttl_ms = {TTL_MS}
+nonce_ttl_ms = {nonce_ttl_ms}
 """ + "\n".join(more))
 
 
