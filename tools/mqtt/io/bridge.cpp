@@ -62,11 +62,11 @@ bool tells_of_axes(const json::object& event) {
   return kind == "configuration_loaded" || kind.starts_with("module_") || kind.starts_with("link_");
 }
 
-BrokerOptions broker_options(const MqttConfig& config, std::string_view client) {
+BrokerOptions broker_options(const MqttConfig& config, std::string client_id) {
   BrokerOptions options;
   options.host = config.host;
   options.port = config.port;
-  options.client_id = "tmcld-mqtt-" + config.gateway + std::string(client);
+  options.client_id = std::move(client_id);
   options.ca = config.ca;
   options.certificate = config.certificate;
   options.key = config.key;
@@ -100,6 +100,7 @@ Bridge::Bridge(const boost::asio::any_io_executor& executor, MqttConfig config, 
       clock_(executor),
       config_(std::move(config)),
       parts_(std::move(parts)),
+      client_id_(fmt::format("tmcld-mqtt-{}-{}", config_.gateway, parts_.draw())),
       gate_(config_.gateway, parts_.draw, config_.nonce_ttl),
       births_(gate_.topics().birth(), TMCL_VERSION),
       news_(gate_.topics()),
@@ -120,7 +121,7 @@ void Bridge::start_sparkplug() {
   Sparkplug node({config_.sparkplug_group, config_.gateway, config_.sparkplug_host}, TMCL_VERSION);
   const auto weak = weak_from_this();
   sparkplug_ = std::make_shared<SparkplugLink>(
-      executor_, broker_options(config_, "-sparkplug"), parts_.connect, std::move(node),
+      executor_, broker_options(config_, client_id_ + "-sparkplug"), parts_.connect, std::move(node),
       [weak] {
         const auto self = weak.lock();
         return self && self->calls_.broker;
@@ -304,7 +305,7 @@ awaitable<std::string> Bridge::use_broker() {
 
 awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::string_view client,
                                                            std::optional<Publication> will) {
-  auto options = broker_options(config_, client);
+  auto options = broker_options(config_, client_id_ + std::string(client));
   options.will = std::move(will);
   auto on_message = [weak = weak_from_this(), &line](const Message& message) {
     if (const auto self = weak.lock()) self->take(line, message);

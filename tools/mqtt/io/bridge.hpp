@@ -88,6 +88,9 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   tmcl::ContextClock clock_;
   MqttConfig config_;
   BridgeParts parts_;
+  /// Drawn: a broker ends the connection of a client when another one comes with its id, whatever
+  /// that one's certificate is.
+  std::string client_id_;
   Gate gate_;
   Births births_;
   AxisNews news_;
