@@ -103,18 +103,26 @@ def certificate_of(user):
     return folder / f"{file_of(user)}.crt", folder / f"{file_of(user)}.key"
 
 
-def write_broker_config(more=""):
+def write_broker_config(more="", name="mosquitto", port=PORT):
     text = (ROOT / "config/fleet/mosquitto.conf").read_text()
-    text = text.replace("listener 8883", f"listener {PORT} 127.0.0.1")
-    text = text.replace("/etc/mosquitto/certs/", f"{folder}/").replace("/etc/mosquitto/tmcl.acl", f"{folder}/tmcl.acl")
-    (folder / "mosquitto.conf").write_text(text + f"user {getpass.getuser()}\n{more}\n")
-    shutil.copy(ROOT / "config/fleet/tmcl.acl", folder)
-    (folder / "tmcl.acl").chmod(0o600)
+    text = text.replace("listener 8883", f"listener {port} 127.0.0.1")
+    text = text.replace("/etc/mosquitto/certs/", f"{folder}/").replace("/etc/mosquitto/tmcl.acl", f"{folder}/{name}.acl")
+    (folder / f"{name}.conf").write_text(text + f"user {getpass.getuser()}\n{more}\n")
+    shutil.copy(ROOT / "config/fleet/tmcl.acl", folder / f"{name}.acl")
+    (folder / f"{name}.acl").chmod(0o600)
 
 
-def start_broker():
-    process = start(MOSQUITTO, "-c", folder / "mosquitto.conf", log="mosquitto.log")
-    await_("mosquitto", lambda: is_open(PORT))
+def uncomment(file, begin):
+    """The lines from that one to the next empty one are in force."""
+    head, found, rest = file.read_text().partition(f"#{begin}\n")
+    section, gap, tail = (found + rest).partition("\n\n")
+    assert found, f"{file.name} has no {begin}"
+    file.write_text(head + section.replace("\n#", "\n")[1:] + gap + tail)
+
+
+def start_broker(name="mosquitto", port=PORT):
+    process = start(MOSQUITTO, "-c", folder / f"{name}.conf", log=f"{name}.log")
+    await_("mosquitto", lambda: is_open(port))
     return process
 
 
@@ -135,10 +143,10 @@ def publish(user, topic, text="", *more):
     run("mosquitto_pub", *as_user(user), "-t", topic, *(["-m", text] if text else ["-n"]), *more)
 
 
-def ask(user, topic, text):
+def ask(user, topic, text, patience_s=20):
     """The answer; None if none comes."""
     to = f"tmcl/v1/reply/{user}/{GATEWAY}/{time.monotonic_ns()}"
-    words = ["mosquitto_rr", *as_user(user), "-t", topic, "-e", to, "-m", text, "-W", "20"]
+    words = ["mosquitto_rr", *as_user(user), "-t", topic, "-e", to, "-m", text, "-W", patience_s]
     done = subprocess.run([str(word) for word in words], capture_output=True, text=True)
     return json.loads(done.stdout) if done.stdout.strip() else None
 
@@ -264,7 +272,7 @@ def start_simulator():
     return process
 
 
-def write_gateway_config(nonce_ttl_ms=TTL_MS, *more):
+def write_gateway_config(nonce_ttl_ms=TTL_MS, *more, port=PORT):
     """Of tmcld, and of tmcld-mqtt, which gets more lines."""
     text = f"""
 [daemon]
@@ -284,7 +292,7 @@ reply_timeout_ms = 1000
     (folder / "tmcld.toml").write_text(text)
     (folder / "mqtt.toml").write_text(f"""
 [mqtt]
-broker = "localhost:{PORT}"
+broker = "localhost:{port}"
 gateway = "{GATEWAY}"
 socket = "{folder}/socket"
 ca = "{folder}/ca.crt"
