@@ -207,6 +207,12 @@ awaitable<AxisMeasurements> measure(std::shared_ptr<GatewayAxis> axis, bool is_f
   co_return measured;
 }
 
+/// One that speaks for a user is a connection of that user's.
+std::size_t relays_of(const Gateway& gateway) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      gateway.clients()->rows(), [](const auto& client) { return client.second.look().relays; }));
+}
+
 }  // namespace
 
 awaitable<std::vector<AxisMeasurements>> measure_axes(std::shared_ptr<Gateway> gateway) {
@@ -233,6 +239,8 @@ std::string metrics_text(const Gateway& gateway, const std::vector<AxisMeasureme
            static_cast<double>(gateway.leases()->all().size()));
   page.add("tmcl_http_clients", "Clients that are connected by HTTP.", MetricType::Gauge, {},
            static_cast<double>(clients));
+  page.add("tmcl_relays", "Connections of relays, such as tmcld-mqtt, in their own name.",
+           MetricType::Gauge, {}, static_cast<double>(relays_of(gateway)));
   return page.text();
 }
 

@@ -76,6 +76,7 @@ ConnectedClient Session::look() const {
   if (is_process) now.uid = who.credentials.uid;
   if (is_process) now.pid = who.credentials.pid;
   now.role = serves_ == Serves::stops ? Role::stop : who.role;
+  now.relays = who.lends.has_value();
   now.requests = requests_.count();
   return now;
 }

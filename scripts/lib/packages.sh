@@ -59,6 +59,7 @@ python3-pytest|the plugin of that package
 mosquitto|the broker that tmcld-mqtt is tested on
 mosquitto-clients|clients of that broker
 faketime|clocks that are wrong
+prometheus|promtool, which reads alerts and queries
 python3-tango|the bridge to Tango, without its database
 '
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include <gmock/gmock.h>
+#include <boost/json/parse.hpp>
 
 #include "async/spawn.hpp"
 #include "fronts/metrics.hpp"
@@ -84,24 +85,72 @@ TEST(Metrics, LeaveOutWhatDoesNotAnswer) {
   EXPECT_THAT(text, HasSubstr("tmcl_axis_position{axis=\"far\""));
 }
 
-std::set<std::string> names_in(const std::string& text) {
-  static const std::regex name("tmcl_[a-z_]+[a-z]");
-  std::set<std::string> names;
-  for (auto it = std::sregex_iterator(text.begin(), text.end(), name); it != std::sregex_iterator();
-       ++it)
-    names.insert(it->str());
-  return names;
+TEST(Metrics, CountRelays) {
+  JourneyBench bench;
+  EXPECT_THAT(metrics_of(bench), HasSubstr("tmcl_relays 0\n"));
+  constexpr std::uint64_t relay = 4003;
+  const auto look = [] {
+    ConnectedClient client{"socket"};
+    client.relays = true;
+    return client;
+  };
+  const auto entry = ClientList::enter(bench.gateway->clients(), relay, {}, look);
+  EXPECT_THAT(metrics_of(bench), HasSubstr("tmcl_relays 1\n"));
 }
 
-TEST(Metrics, AreWhatAlertsAndTheDashboardAskFor) {
+/// What the expression finds in its first group.
+std::set<std::string> found_in(const std::string& text, const char* expression) {
+  const std::regex regex(expression);
+  std::set<std::string> found;
+  for (auto it = std::sregex_iterator(text.begin(), text.end(), regex);
+       it != std::sregex_iterator(); ++it)
+    found.insert((*it)[1].str());
+  return found;
+}
+
+std::set<std::string> names_in(const std::string& text) {
+  return found_in(text, "(tmcl_[a-z_]+[a-z])");
+}
+
+std::set<std::string> labels_asked_for(const std::string& text) {
+  auto labels = found_in(text, R"([{,]([a-z]+)=)");
+  labels.merge(found_in(text, R"(\{\{([a-z]+)\}\})"));
+  labels.merge(found_in(text, R"(\$labels\.([a-z]+))"));
+  for (const auto& list : found_in(text, R"((?:by|on) \(([a-z, ]+)\))"))
+    labels.merge(found_in(list, "([a-z]+)"));
+  return labels;
+}
+
+std::string file_of(const std::string& path) {
+  std::ifstream file(std::string(TMCL_SOURCE_DIR) + path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Metrics, AreWhatAlertsAndDashboardsAskFor) {
   JourneyBench bench;
-  const auto told = names_in(metrics_of(bench));
-  for (const auto* path : {"/config/prometheus/alerts.yml", "/config/grafana/bench.json"}) {
-    std::ifstream file(std::string(TMCL_SOURCE_DIR) + path);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    const auto asked = names_in(text);
+  const auto text = metrics_of(bench);
+  const auto told = names_in(text);
+  auto labels = found_in(text, R"(([a-z]+)=")");
+  // By Prometheus itself, and of a variable.
+  labels.merge(std::set<std::string>{"instance", "job"});
+  for (const auto* path : {"/config/prometheus/alerts.yml", "/config/grafana/bench.json",
+                           "/config/grafana/fleet.json"}) {
+    const auto file = file_of(path);
+    const auto asked = names_in(file);
     EXPECT_GE(asked.size(), 6U) << path;
     for (const auto& name : asked) EXPECT_TRUE(told.contains(name)) << path << ' ' << name;
+    for (const auto& label : labels_asked_for(file))
+      EXPECT_TRUE(labels.contains(label)) << path << ' ' << label;
+  }
+}
+
+TEST(Dashboards, HaveEachPanelOnce) {
+  for (const auto* path : {"/config/grafana/bench.json", "/config/grafana/fleet.json"}) {
+    const auto dashboard = boost::json::parse(file_of(path)).as_object();
+    std::set<std::int64_t> ids;
+    for (const auto& panel : dashboard.at("panels").as_array())
+      EXPECT_TRUE(ids.insert(panel.at("id").as_int64()).second) << path;
+    EXPECT_GE(ids.size(), 8U) << path;
   }
 }
 

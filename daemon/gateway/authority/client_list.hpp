@@ -22,6 +22,7 @@ struct ConnectedClient {
   std::optional<std::uint32_t> uid{};
   std::optional<std::int32_t> pid{};
   Role role = Role::configure;
+  bool relays = false;       ///< It may speak for users, and has not said for which.
   std::size_t requests = 0;  ///< Of it that are in progress.
 };
 
