@@ -107,8 +107,8 @@ class MosquittoBroker final : public Broker, public std::enable_shared_from_this
   ~MosquittoBroker() override;
 
   std::string prepare();
-  /// Blocks. Gives an error of libmosquitto.
-  int connect();
+  /// Blocks. Gives what is wrong; empty if nothing is.
+  std::string connect();
   /// On the reactor again: until the broker has let it in.
   awaitable<std::string> wait_until_let_in();
 
@@ -124,6 +124,7 @@ class MosquittoBroker final : public Broker, public std::enable_shared_from_this
   static awaitable<void> write(std::shared_ptr<MosquittoBroker> self);
   static awaitable<void> keep_house(std::shared_ptr<MosquittoBroker> self);
 
+  std::string text_of(int error) const;
   void note(int error);
   void lose(std::string why);
   void hand_out();
@@ -140,7 +141,14 @@ class MosquittoBroker final : public Broker, public std::enable_shared_from_this
   bool is_let_in_ = false;
   bool lost_ = false;
   std::string why_;
+  std::string tls_error_;  ///< What the library has logged of it last.
 };
+
+/// Of a line that the library logs; empty: it is about something else.
+std::string tls_error_in(std::string_view line) {
+  if (!line.starts_with("OpenSSL Error")) return {};
+  return std::string(line.substr(line.rfind(':') + 1));
+}
 
 MosquittoBroker::MosquittoBroker(const boost::asio::any_io_executor& executor,
                                  BrokerOptions options, OnMessage on_message,
@@ -185,6 +193,9 @@ std::string MosquittoBroker::prepare() {
         options_.password.empty() ? nullptr : options_.password.c_str());
   }
   if (error != MOSQ_ERR_SUCCESS) return "libmosquitto: " + std::string(::mosquitto_strerror(error));
+  ::mosquitto_log_callback_set(client_, [](mosquitto*, void* self, int, const char* line) {
+    if (auto error = tls_error_in(line); !error.empty()) of(self).tls_error_ = std::move(error);
+  });
   ::mosquitto_connect_v5_callback_set(
       client_, [](mosquitto*, void* self, int reason, int, const mosquitto_property*) {
         if (reason != 0) return of(self).lose(::mosquitto_reason_string(reason));
@@ -204,11 +215,12 @@ std::string MosquittoBroker::prepare() {
   return {};
 }
 
-int MosquittoBroker::connect() {
+std::string MosquittoBroker::connect() {
   Properties properties;
   properties.add_number(MQTT_PROP_MAXIMUM_PACKET_SIZE, options_.max_packet_bytes);
-  return ::mosquitto_connect_bind_v5(client_, options_.host.c_str(), options_.port, keep_alive_s,
-                                     nullptr, properties.list());
+  const int error = ::mosquitto_connect_bind_v5(client_, options_.host.c_str(), options_.port,
+                                                keep_alive_s, nullptr, properties.list());
+  return error == MOSQ_ERR_SUCCESS ? std::string() : text_of(error);
 }
 
 awaitable<std::string> MosquittoBroker::wait_until_let_in() {
@@ -271,8 +283,16 @@ void MosquittoBroker::hand_out() {
   }
 }
 
+/// The library calls every error of TLS by one name.
+std::string MosquittoBroker::text_of(int error) const {
+  if (error == MOSQ_ERR_EAI) return "its name is not known";
+  if (error == MOSQ_ERR_ERRNO) return std::strerror(errno);
+  if (error == MOSQ_ERR_TLS && !tls_error_.empty()) return "TLS: " + tls_error_;
+  return ::mosquitto_strerror(error);
+}
+
 void MosquittoBroker::note(int error) {
-  if (error != MOSQ_ERR_SUCCESS) lose(::mosquitto_strerror(error));
+  if (error != MOSQ_ERR_SUCCESS) lose(text_of(error));
 }
 
 void MosquittoBroker::lose(std::string why) {
@@ -324,12 +344,6 @@ void MosquittoBroker::disconnect() {
   lose("ended");
 }
 
-std::string why_not_connected(int error) {
-  if (error == MOSQ_ERR_EAI) return "its name is not known";
-  if (error == MOSQ_ERR_ERRNO) return std::strerror(errno);
-  return ::mosquitto_strerror(error);
-}
-
 }  // namespace
 
 awaitable<Connected> connect_to_broker(tmcld::Workers& workers, BrokerOptions options,
@@ -339,10 +353,7 @@ awaitable<Connected> connect_to_broker(tmcld::Workers& workers, BrokerOptions op
   const auto broker = std::make_shared<MosquittoBroker>(executor, std::move(options),
                                                         std::move(on_message), std::move(on_room));
   if (auto problem = broker->prepare(); !problem.empty()) co_return tl::unexpected(problem);
-  auto connecting = [broker]() -> std::string {
-    const int error = broker->connect();
-    return error == MOSQ_ERR_SUCCESS ? std::string() : why_not_connected(error);
-  };
+  auto connecting = [broker] { return broker->connect(); };
   auto problem = co_await tmcld::elsewhere(workers, std::move(connecting));
   if (problem.empty()) problem = co_await broker->wait_until_let_in();
   if (!problem.empty()) co_return tl::unexpected(problem);
