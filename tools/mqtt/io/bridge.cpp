@@ -27,6 +27,8 @@ constexpr auto look_interval = std::chrono::milliseconds(100);
 constexpr auto pause_without_gateway = std::chrono::seconds(1);
 constexpr std::int32_t state_interval_ms = 200;
 constexpr std::size_t longest_short_answer = 4096;
+// The one that stood on the broker before, and the will of a connection that was lost.
+constexpr int most_replaced_births = 2;
 
 std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Methods& told) {
   std::map<std::string, tmcl::Effect, std::less<>> methods;
@@ -157,7 +159,7 @@ awaitable<void> Bridge::look(std::shared_ptr<Bridge> self) {
 
 void Bridge::add_due_news(tmcl::TimePoint now) {
   add_news(news_.due(now));
-  if (auto birth = births_.due(now)) calls_.outbox.add_news(std::move(*birth));
+  if (auto birth = births_.due(now)) replace_birth(std::move(*birth));
   if (!home_) return;
   if (auto config = home_->due(now)) calls_.outbox.add_news(std::move(*config));
 }
@@ -326,6 +328,7 @@ awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::stri
 }
 
 void Bridge::begin_on_broker() {
+  replaced_births_ = 0;
   // QoS 1 keeps a stop from being left out; without a session that lasts none comes late.
   stops_.broker->subscribe({gate_.topics().stop(), 1});
   stops_.broker->subscribe({Topics::stop_of_all(), 1});
@@ -359,6 +362,12 @@ void Bridge::say_birth() {
                      gateway_ ? gateway_->daemon_version() : std::string(), names_of(axes_)},
                     now()));
   flush(calls_);
+}
+
+void Bridge::replace_birth(Publication its_own) {
+  if (++replaced_births_ > most_replaced_births)
+    log_often("another gateway has its name: births that are not its own come to the broker");
+  calls_.outbox.add_news(std::move(its_own));
 }
 
 void Bridge::add_news(std::vector<Publication> news) {

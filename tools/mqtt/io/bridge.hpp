@@ -78,6 +78,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   void answer(Line& line, const std::optional<ReplyTo>& reply,
               const tmcl::client::Result<boost::json::object>& result);
   void say_birth();
+  void replace_birth(Publication its_own);
   void add_news(std::vector<Publication> news);
   void add_due_news(tmcl::TimePoint now);
   void flush(Line& line);
@@ -103,6 +104,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   std::shared_ptr<SparkplugLink> sparkplug_;  ///< Null: not configured.
   std::optional<HomeAssistant> home_;         ///< None: not configured.
   tmcld::LogLimiter limiter_;
+  int replaced_births_ = 0;  ///< Since the connection to the broker is there.
   bool connecting_ = false;
   bool stopping_ = false;
 };
