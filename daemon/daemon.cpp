@@ -22,6 +22,7 @@
 #include "gateway/store/tokens.hpp"
 #include "last_stop.hpp"
 #include "log/log.hpp"
+#include "managed_configuration.hpp"
 #include "tmcl/timer.hpp"
 
 namespace tmcld {
@@ -119,6 +120,7 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
   say_what_is_missing(clients);
   const auto share = std::make_shared<FrontShare>();
   share->tokens = Tokens::open(state_file(config.daemon, ".tokens.json"), log);
+  share->configuration = std::make_shared<ManagedConfiguration>(*daemon);
   daemon->server_ =
       std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_, clients, share);
   for (const auto& one : config.ports) {
@@ -247,10 +249,7 @@ void Daemon::stop() {
   });
 }
 
-void Daemon::end_on_signals(LoadAgain load) {
-  load_ = std::move(load);
-  spawn(context_.get_executor(), wait_for_signal(*this));
-}
+void Daemon::end_on_signals() { spawn(context_.get_executor(), wait_for_signal(*this)); }
 
 awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
   boost::asio::signal_set signals(daemon.context_, SIGTERM, SIGINT, SIGHUP);
@@ -268,28 +267,9 @@ awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
 
 // ---- another configuration ---------------------------------------------------------------------
 
-awaitable<void> Daemon::load_again(Daemon& daemon) {
-  daemon.loads_once_more_ = true;
-  if (std::exchange(daemon.is_loading_, true)) co_return;
-  while (std::exchange(daemon.loads_once_more_, false)) {
-    auto config = co_await daemon.gateway_->planner.plan(daemon.load_);
-    tl::expected<std::string, std::vector<std::string>> reloaded;
-    if (config) {
-      reloaded = co_await reload(daemon, std::move(*config));
-    } else {
-      reloaded = tl::unexpected(std::move(config.error()));
-    }
-    if (reloaded) {
-      log(LogLevel::info, "the configuration was loaded again: " + *reloaded);
-      continue;
-    }
-    for (const auto& line : reloaded.error()) log(LogLevel::error, line);
-    log(LogLevel::error, "the configuration stays as it was");
-  }
-  daemon.is_loading_ = false;
-}
-
 namespace {
+
+using Reloaded = tl::expected<std::string, std::vector<std::string>>;
 
 /// Empty if nothing does.
 std::string takes_a_restart(const DaemonConfig& now, const DaemonConfig& next) {
@@ -302,15 +282,40 @@ std::string takes_a_restart(const DaemonConfig& now, const DaemonConfig& next) {
 
 }  // namespace
 
-awaitable<tl::expected<std::string, std::vector<std::string>>> Daemon::reload(Daemon& daemon,
-                                                                              Config config) {
-  auto what = takes_a_restart(daemon.config_, config.daemon);
-  if (what.empty() && config.others != daemon.other_sections_)
-    what = "a section that is not of a bus, a module, an axis or access";
-  if (!what.empty()) {
-    co_return tl::unexpected(
-        std::vector{what + " has changed, which takes a restart: systemctl restart tmcld"});
+awaitable<void> Daemon::load_again(Daemon& daemon) {
+  daemon.loads_once_more_ = true;
+  if (std::exchange(daemon.is_loading_, true)) co_return;
+  while (std::exchange(daemon.loads_once_more_, false)) {
+    const auto turn = co_await daemon.take_turn_to_load(0);
+    auto work = [load = daemon.load_] { return load(std::nullopt); };
+    auto config = co_await daemon.gateway_->planner.plan(std::move(work));
+    Reloaded reloaded;
+    if (config) {
+      reloaded = co_await reload(daemon, std::move(*config));
+    } else {
+      reloaded = tl::unexpected(lines_of(config.error()));
+    }
+    if (reloaded) {
+      log(LogLevel::info, "the configuration was loaded again: " + *reloaded);
+      continue;
+    }
+    for (const auto& line : reloaded.error()) log(LogLevel::error, line);
+    log(LogLevel::error, "the configuration stays as it was");
   }
+  daemon.is_loading_ = false;
+}
+
+awaitable<Reloaded> Daemon::foresee(Daemon& daemon, const Config& config) {
+  if (auto objection = daemon.objection_to(config))
+    co_return tl::unexpected(std::vector{*objection});
+  auto words = co_await foresee_reload(daemon.gateway_, config);
+  if (!words) co_return tl::unexpected(std::vector{std::move(words.error())});
+  co_return std::move(*words);
+}
+
+awaitable<Reloaded> Daemon::reload(Daemon& daemon, Config config) {
+  if (auto objection = daemon.objection_to(config))
+    co_return tl::unexpected(std::vector{*objection});
   const auto next = config.daemon;
   auto words = co_await tmcld::reload(daemon.gateway_, std::move(config));
   if (!words) co_return tl::unexpected(std::vector{std::move(words.error())});
@@ -318,6 +323,14 @@ awaitable<tl::expected<std::string, std::vector<std::string>>> Daemon::reload(Da
   daemon.server_->review_rights();
   if (daemon.http_) daemon.http_->review_rights();
   co_return std::move(*words);
+}
+
+std::optional<std::string> Daemon::objection_to(const Config& config) const {
+  auto what = takes_a_restart(config_, config.daemon);
+  if (what.empty() && config.others != other_sections_)
+    what = "a section that is not of a bus, a module, an axis or access";
+  if (what.empty()) return std::nullopt;
+  return what + " has changed, which takes a restart: systemctl restart tmcld";
 }
 
 namespace {

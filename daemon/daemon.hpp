@@ -12,7 +12,9 @@
 #include <boost/asio/io_context.hpp>
 #include <tl/expected.hpp>
 
+#include "async/turns.hpp"
 #include "config/config.hpp"
+#include "config/load.hpp"
 #include "fronts/http_server.hpp"
 #include "fronts/port.hpp"
 #include "fronts/unix_server.hpp"
@@ -25,9 +27,10 @@ namespace tmcld {
 
 class Daemon {
  public:
-  /// The configuration as it is now; errors: lines for a person. May block.
-  using LoadAgain = std::function<tl::expected<Config, std::vector<std::string>>()>;
-  /// What has become of it, in a line; errors: a sentence, and all is as it was.
+  /// The configuration as it is now, or would be with this text in the file that clients may set.
+  /// May block.
+  using LoadAgain =
+      std::function<tl::expected<Config, BadFiles>(const std::optional<std::string>& managed)>;
 
   /// Claims the socket, or takes that of the service, and opens the ports. The context must outlive
   /// it. Errors: a sentence for a person, with what to try.
@@ -57,10 +60,22 @@ class Daemon {
   /// to their end, for which they may take some minutes.
   void stop();
   /// SIGHUP has the audit file opened again, and the configuration taken over as it is then.
-  void end_on_signals(LoadAgain load = {});
+  void end_on_signals();
+  /// Where its configuration can be loaded again. Without, clients cannot set it.
+  void load_by(LoadAgain load) { load_ = std::move(load); }
+  const LoadAgain& load() const { return load_; }
+  const DaemonConfig& config() const { return config_; }
+  /// To be held while a configuration is loaded and taken over, and the file of it replaced: one at
+  /// a time. 0: no client.
+  boost::asio::awaitable<Turns::Turn> take_turn_to_load(std::uint64_t client) {
+    return turns_to_load_.take(client);
+  }
   /// All of it, or nothing: see gateway/reload.hpp.
   static boost::asio::awaitable<tl::expected<std::string, std::vector<std::string>>> reload(
       Daemon& daemon, Config config);
+  /// What would become of it; nothing changes. The configuration must outlive it.
+  static boost::asio::awaitable<tl::expected<std::string, std::vector<std::string>>> foresee(
+      Daemon& daemon, const Config& config);
   bool has_ended() const { return has_ended_; }
   /// Clients are let in.
   bool is_serving() const { return is_serving_; }
@@ -80,6 +95,8 @@ class Daemon {
   static boost::asio::awaitable<void> begin_to_serve(Daemon& daemon);
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
   static boost::asio::awaitable<void> load_again(Daemon& daemon);
+  /// Nothing if it can be taken over without a restart, as far as the daemon is concerned.
+  std::optional<std::string> objection_to(const Config& config) const;
   static boost::asio::awaitable<void> end(Daemon& daemon);
   /// Says that the reactor turns, for as long as it does: a bus that is lost or a module that is
   /// silent is no reason to be started again.
@@ -97,6 +114,7 @@ class Daemon {
   DaemonConfig config_;
   std::string other_sections_;
   LoadAgain load_;
+  Turns turns_to_load_;
   bool is_loading_ = false;
   bool loads_once_more_ = false;  ///< It may have changed since it was read.
   std::shared_ptr<AuditTrail> audit_;

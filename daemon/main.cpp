@@ -133,11 +133,8 @@ int check(const LoadedConfig& loaded, const std::optional<HttpConfig>& http) {
 
 /// From the files as they are then.
 Daemon::LoadAgain loading(const std::string& path) {
-  return [path]() -> tl::expected<Config, std::vector<std::string>> {
-    auto loaded = load_config(path);
-    if (!loaded) return tl::unexpected(std::move(loaded.error()));
-    return std::move(loaded->config);
-  };
+  return
+      [path](const std::optional<std::string>& managed) { return load_config_with(path, managed); };
 }
 
 int serve(const Config& config, const std::string& path, const std::optional<HttpConfig>& http) {
@@ -156,7 +153,8 @@ int serve(const Config& config, const std::string& path, const std::optional<Htt
     log(LogLevel::error, daemon.error());
     return exit_code::runtime_failure;
   }
-  (*daemon)->end_on_signals(loading(path));
+  (*daemon)->load_by(loading(path));
+  (*daemon)->end_on_signals();
   log(LogLevel::info,
       "serving " + counted(config.axes.size(), "axis", "axes") + " on " + config.daemon.socket);
   const int code = (*daemon)->run() ? exit_code::ok : exit_code::runtime_failure;

@@ -3,6 +3,7 @@
 
 #include "api/client_handlers.hpp"
 #include "api/comparison_handlers.hpp"
+#include "api/configuration_handlers.hpp"
 #include "api/doctor_handlers.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
@@ -74,6 +75,8 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::list_clients>(configure),
     method<handlers::tail_audit>(configure),
     method<handlers::find_page>(observe),
+    method<handlers::get_configuration>(configure),
+    method<handlers::set_configuration>(configure),
     method<handlers::speak_for>(stop),
     method<handlers::move_line>(operate),
     method<handlers::stage_path>(operate),

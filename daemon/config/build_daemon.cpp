@@ -40,6 +40,12 @@ void add_accounts(Draft& draft, const Said<ConfigTexts>& names,
   }
 }
 
+/// It is written by a daemon, which may have been started anywhere.
+void check_managed(Draft& draft, const Said<std::string>& path) {
+  if (!path || path->starts_with('/')) return;
+  draft.complain(path, "'managed' must be a whole path, such as /var/lib/tmcld/managed.toml");
+}
+
 void check_socket(Draft& draft, const Said<std::string>& path) {
   if (!path || (!path->empty() && path->size() <= max_socket_path_bytes)) return;
   draft.complain(path,
@@ -58,6 +64,8 @@ void add_daemon(Draft& draft, const DaemonSection& section) {
   set(section.audit, daemon.audit);
   set(section.moves_need_lease, daemon.moves_need_lease);
   set(section.planning_memory_mb, daemon.planning_memory_mb);
+  check_managed(draft, section.managed);
+  set(section.managed, daemon.managed);
 }
 
 void add_access(Draft& draft, const AccessSection& section) {

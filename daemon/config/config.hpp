@@ -44,6 +44,7 @@ struct DaemonConfig {
   std::string audit{};  ///< File for what was moved and set, by whom; empty: the log.
   bool moves_need_lease = false;
   std::size_t planning_memory_mb = 64;
+  std::string managed{};  ///< File of the configuration that clients may set; empty: none.
 
   std::size_t planning_bytes() const { return planning_memory_mb << 20U; }
 };

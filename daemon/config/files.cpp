@@ -24,9 +24,10 @@ std::string cannot_be_read(const std::string& path, int error) {
 }
 
 /// Who writes the configuration decides where motors may go.
-std::optional<std::string> objection_to_writers(const std::string& path,
-                                                const struct stat& status) {
-  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
+std::optional<std::string> objection_to_writers(const std::string& path, const struct stat& status,
+                                                uid_t writer) {
+  const bool is_ours =
+      status.st_uid == 0 || status.st_uid == ::geteuid() || status.st_uid == writer;
   if (!is_ours) {
     return path + ": belongs to another user (uid " + std::to_string(status.st_uid) +
            "), who could change limits of axes; make it root's or your own: `chown`";
@@ -44,7 +45,8 @@ std::optional<std::string> objection_to_writers(const std::string& path,
   return std::nullopt;
 }
 
-tl::expected<ConfigFile, std::string> read_file(const std::string& path) {
+/// `writer`: who may write it besides root and this user.
+tl::expected<ConfigFile, std::string> read_file(const std::string& path, uid_t writer = 0) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "re"),
                                                              &std::fclose);
   struct stat status {};
@@ -54,7 +56,8 @@ tl::expected<ConfigFile, std::string> read_file(const std::string& path) {
     return tl::unexpected(path +
                           ": is a folder; a configuration is a file, such as /etc/tmcl/tmcld.toml");
   }
-  if (auto objection = objection_to_writers(path, status)) return tl::unexpected(*objection);
+  if (auto objection = objection_to_writers(path, status, writer))
+    return tl::unexpected(*objection);
   std::string text(max_file_bytes + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));
   if (std::ferror(file.get()) != 0) return tl::unexpected(cannot_be_read(path, errno));
@@ -76,7 +79,7 @@ tl::expected<std::vector<std::string>, std::string> drop_ins_beside(const std::s
     return tl::unexpected(cannot_be_read(folder, errno));
   }
   if (!S_ISDIR(status.st_mode)) return std::vector<std::string>{};
-  if (auto objection = objection_to_writers(folder, status)) return tl::unexpected(*objection);
+  if (auto objection = objection_to_writers(folder, status, 0)) return tl::unexpected(*objection);
   std::vector<std::string> paths;
   std::error_code error;
   for (std::filesystem::directory_iterator entry(folder, error), end; entry != end && !error;
@@ -106,6 +109,20 @@ tl::expected<std::vector<ConfigFile>, std::string> read_config_files(const std::
     files.push_back(std::move(*file));
   }
   return files;
+}
+
+tl::expected<std::optional<ConfigFile>, std::string> read_managed_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) {
+    if (errno == ENOENT) return std::nullopt;
+    return tl::unexpected(cannot_be_read(path, errno));
+  }
+  // Who has the folder could put another file there.
+  const auto folder = std::filesystem::path(path).parent_path();
+  if (::stat(folder.c_str(), &status) != 0) return tl::unexpected(cannot_be_read(folder, errno));
+  return read_file(path, status.st_uid).map([](ConfigFile file) {
+    return std::optional(std::move(file));
+  });
 }
 
 }  // namespace tmcld

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,10 @@ struct ConfigFile {
 /// missing.
 /// Errors: "PATH: why it is not taken".
 tl::expected<std::vector<ConfigFile>, std::string> read_config_files(const std::string& path);
+
+/// What stands in the file that clients may set; nothing where there is none. It belongs to root,
+/// to this user, or to the one who has its folder: others than tmcld read it, too.
+/// Errors: as above.
+tl::expected<std::optional<ConfigFile>, std::string> read_managed_file(const std::string& path);
 
 }  // namespace tmcld

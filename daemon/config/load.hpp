@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,13 +22,26 @@ struct LoadedConfig {
   std::size_t files = 1;
 };
 
-/// From the file and those beside it: see read_config_files().
+/// From the file and those beside it: see read_config_files(). After them comes the one that
+/// clients may set, if [daemon] names one and it is there.
 /// Errors: one line each, "FILE:LINE:COLUMN: what is wrong", or why a file cannot be read.
 tl::expected<LoadedConfig, std::vector<std::string>> load_config(const std::string& path);
 
-/// For a gateway on one link: [daemon] may be missing, and is ignored. The link takes the place of
-/// that of the only bus, or of the bus that has this link; no other bus is kept, nor its axes.
-/// Errors: as load_config(); also a line that says which buses there are, if none of them fits.
+/// Why files are no configuration: one of them cannot be read, or all that is wrong in them.
+struct BadFiles {
+  std::string unread{};  ///< A line; empty: all were read.
+  tmcl::TextProblems problems{};
+};
+/// As a daemon with this text in the file that clients may set, whatever stands there now. Without
+/// a text: as load_config().
+tl::expected<Config, BadFiles> load_config_with(const std::string& path,
+                                                const std::optional<std::string>& managed);
+/// One line each, as load_config() has them.
+std::vector<std::string> lines_of(const BadFiles& bad);
+
+/// For a gateway on one link: [daemon] may be missing, and is ignored with the file that it names.
+/// The link takes the place of that of the only bus, or of the bus that has this link; no other bus
+/// is kept, nor its axes. Errors: as load_config(); also which buses there are, if none fits.
 tl::expected<Config, std::vector<std::string>> load_config_for_link(const std::string& path,
                                                                     const tmcl::LinkName& link);
 /// The same where there is no file: one bus, called "direct".

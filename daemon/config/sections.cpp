@@ -29,6 +29,10 @@ constexpr std::array kinds{section_kind<ConfigText, &ConfigText::daemon>(),
                            section_kind<ConfigText, &ConfigText::ports>(),
                            section_kind<ConfigText, &ConfigText::path>()};
 
+/// Rights stay with who writes the other files. A port is a right, too: who reaches it needs none.
+constexpr std::array of_administrator{DaemonSection::title, HttpSection::title,
+                                      AccessSection::title, PortSection::title};
+
 std::string_view name_of(KeyType type) {
   switch (type) {
     case KeyType::string: return "a text in quotes";
@@ -123,12 +127,21 @@ class Reader {
       const auto kind = std::ranges::find(kinds_, key.str(), &SectionKind::name);
       if (kind == kinds_.end()) {
         complain_unknown_section(key, node);
+      } else if (is_refused(*kind)) {
+        complain(key.source(), fmt::format("{} cannot stand in the file that clients may set: it "
+                                           "is for tmcld.toml and the files beside it",
+                                           kind->title));
       } else if (kind->is_single()) {
         read_single(*kind, node);
       } else {
         read_list(*kind, node);
       }
     }
+  }
+
+  bool is_refused(const SectionKind& kind) const {
+    return daemon_ == OfDaemon::refused &&
+           std::ranges::find(of_administrator, kind.title) != of_administrator.end();
   }
 
   void complain_unknown_section(const toml::key& key, const toml::node& node) {

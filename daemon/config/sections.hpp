@@ -35,6 +35,8 @@ struct DaemonSection : Section {
            "memory for paths and programs that wait to be planned or are run; half of it for one "
            "client",
            {8, 4096});
+  TMCL_KEY(Said<std::string>, managed,
+           "file of buses, modules, axes and [path] that clients with the role configure may set");
 };
 
 struct HttpSection : Section {
@@ -225,8 +227,9 @@ struct ConfigText {
   tmcl::TextProblems problems{};
 };
 
-/// What is for a daemon alone: [daemon] and [http].
-enum class OfDaemon : std::uint8_t { read, ignored };
+/// What is for a daemon alone: [daemon] and [http]. Refused with it is what else clients may not
+/// set: [[access]] and [[port]].
+enum class OfDaemon : std::uint8_t { read, ignored, refused };
 
 /// Reads TOML, checks its sections and keys, and appends them to `text`. Never throws.
 void read_sections(std::string_view toml, const std::string& file, OfDaemon daemon,

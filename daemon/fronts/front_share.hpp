@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "api/configuration_keeper.hpp"
 #include "fronts/latency.hpp"
 #include "gateway/store/tokens.hpp"
 
@@ -14,6 +15,7 @@ struct FrontShare {
   std::shared_ptr<Tokens> tokens{};
   /// Of the page, as a browser takes them; empty where nothing is served by HTTP.
   std::vector<std::string> page_addresses{};
+  std::shared_ptr<ConfigurationKeeper> configuration{};
   /// From when a stop came in until it was answered.
   Latency stop_latency{};
 };

@@ -13,6 +13,7 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 
+#include "api/configuration_keeper.hpp"
 #include "api/notifications.hpp"
 #include "api/page_place.hpp"
 #include "api/peer.hpp"
@@ -37,6 +38,7 @@ constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200)
 class Session : public Peer,
                 public TokenKeeper,
                 public PagePlace,
+                public ConfigurationPlace,
                 public Relay,
                 public std::enable_shared_from_this<Session> {
  public:
@@ -78,6 +80,9 @@ class Session : public Peer,
   std::optional<Error> speak_for(RelayedUser user) override;
   const std::shared_ptr<Tokens>& tokens() const override { return share_->tokens; }
   const std::vector<std::string>& page_addresses() const override { return share_->page_addresses; }
+  const std::shared_ptr<ConfigurationKeeper>& configuration() const override {
+    return share_->configuration;
+  }
 
  protected:
   /// The first message, where a connection has one.

@@ -148,8 +148,8 @@ std::string in_words(const Gateway& gateway, const Config& config, const Buses& 
 
 }  // namespace
 
-awaitable<tl::expected<std::string, std::string>> reload(std::shared_ptr<Gateway> gateway,
-                                                         Config config) {
+awaitable<tl::expected<std::string, std::string>> foresee_reload(std::shared_ptr<Gateway> gateway,
+                                                                 const Config& config) {
   const auto closed = gateway->changed_by(config);
   if (const auto objection = objection_of_ports(config, closed))
     co_return tl::unexpected(*objection);
@@ -158,8 +158,14 @@ awaitable<tl::expected<std::string, std::string>> reload(std::shared_ptr<Gateway
     if (objection) co_return tl::unexpected(*objection);
   }
   if (gateway->is_closing()) co_return tl::unexpected(std::string("tmcld is ending"));
-  auto words = in_words(*gateway, config, closed);
-  gateway->adopt(config, words);
+  co_return in_words(*gateway, config, closed);
+}
+
+awaitable<tl::expected<std::string, std::string>> reload(std::shared_ptr<Gateway> gateway,
+                                                         Config config) {
+  // Nothing else runs between its end and what follows.
+  auto words = co_await foresee_reload(gateway, config);
+  if (words) gateway->adopt(config, *words);
   co_return words;
 }
 

@@ -16,6 +16,11 @@
 
 namespace tmcld {
 
+/// What would become of the buses by reload(), in words, or why it would refuse. Modules are asked
+/// whether their motors stand; nothing changes. The configuration must outlive it.
+boost::asio::awaitable<tl::expected<std::string, std::string>> foresee_reload(
+    std::shared_ptr<Gateway> gateway, const Config& config);
+
 /// What has become of the buses, in words.
 /// Errors: why all stays as it was, with the axis or bus that it is for.
 boost::asio::awaitable<tl::expected<std::string, std::string>> reload(

@@ -74,6 +74,8 @@ inline const std::vector<MethodCall> all{
     {"client.list"},
     {"audit.tail", R"({"lines":3,"after":0})", {{"axis.stop", y}}},
     {"page.find"},
+    {"configuration.get"},
+    {"configuration.set", R"({"toml":"[path]\ng55 = {x = 120}\n"})", {}, {}, false, false, true},
     {"speak_for", R"({"user":"anna","role":"observe"})", {}, {}, false, false, true},
     {"line.move", R"({"axes":["y","z"],"positions_microsteps":[2000,-500]})", {}, {1, 2}},
     {"path.stage", R"({"offset":0,"data":"4731205831"})"},

@@ -1,7 +1,9 @@
 // A configuration of several files: one by name, and those in the directory beside it.
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <sys/stat.h>
 #include <unistd.h>
@@ -141,6 +143,96 @@ TEST_F(DropIns, CountForAGatewayOfOneCallToo) {
       load_config_for_link(path("tmcld.toml"), *tmcl::parse_link_name("tcp:far:4001"));
   ASSERT_TRUE(config) << config.error().front();
   EXPECT_EQ(config->axes.at(0).name, "x");
+}
+
+// ---- the file that clients may set --------------------------------------------------------------
+
+class ManagedFile : public DropIns {
+ protected:
+  ManagedFile() {
+    write("tmcld.toml", "[daemon]\nsocket = \"s\"\nmanaged = \"" + path("managed.toml") + "\"\n");
+  }
+  auto load_with(const std::optional<std::string>& text) const {
+    return load_config_with(path("tmcld.toml"), text);
+  }
+};
+
+TEST_F(ManagedFile, ComesLast) {
+  EXPECT_THAT(problems(), ElementsAre()) << "it need not be there";
+  write("managed.toml", axis("second", 0) + "[path]\ng54 = {x = 1}\n");
+  write("tmcld.d/z.toml", std::string(bus) + axis("first", 1));
+  const auto loaded = load();
+  ASSERT_TRUE(loaded) << loaded.error().front();
+  EXPECT_EQ(loaded->files, 3U);
+  ASSERT_EQ(loaded->config.axes.size(), 2U);
+  EXPECT_EQ(loaded->config.axes[1].name, "second");
+  EXPECT_TRUE(loaded->config.path.origins[0]);
+}
+
+TEST_F(ManagedFile, AddsToOthersAndChangesNothingOfThem) {
+  write("tmcld.d/a.toml", std::string(bus) + axis("x", 0) + "[path]\n");
+  write("managed.toml", std::string(bus) + axis("x", 1) + "[path]\n");
+  EXPECT_THAT(problems(),
+              ElementsAre(HasSubstr("managed.toml:2:8: the name 'bench' is given twice in [[bus]]"),
+                          HasSubstr("managed.toml:5:8: the name 'x' is given twice in [[axis]]"),
+                          HasSubstr("managed.toml:9:1: [path] stands in ")));
+}
+
+TEST_F(ManagedFile, HasNoRightsInIt) {
+  write("managed.toml",
+        "daemon = {managed = \"/m\"}\naccess = []\nport = 1\n[http]\nlisten = [\"0.0.0.0:1\"]\n");
+  std::vector<testing::Matcher<std::string>> expected;
+  for (const auto* one : {"1:1: [daemon]", "2:1: [[access]]", "3:1: [[port]]", "4:2: [http]"}) {
+    expected.push_back(HasSubstr(std::string("managed.toml:") + one +
+                                 " cannot stand in the file that clients may set"));
+  }
+  EXPECT_THAT(problems(), testing::ElementsAreArray(expected));
+}
+
+TEST_F(ManagedFile, IsReplacedByATextThatIsTried) {
+  write("tmcld.d/a.toml", bus);
+  write("managed.toml", "this is no TOML");
+  const auto tried = load_with(axis("x", 0));
+  ASSERT_TRUE(tried) << lines_of(tried.error()).front();
+  EXPECT_EQ(tried->axes.at(0).name, "x");
+  EXPECT_FALSE(load_with(std::nullopt));
+  const auto bad = load_with("\n[[port]]\n");
+  ASSERT_FALSE(bad);
+  EXPECT_EQ(bad.error().problems.at(0).file, path("managed.toml"));
+  EXPECT_EQ(bad.error().problems.at(0).line, 2U);
+}
+
+TEST_F(ManagedFile, IsNoMoreThanATextWhereNoneIsNamed) {
+  write("tmcld.toml", "[daemon]\nsocket = \"s\"\n");
+  const auto tried = load_with("this is no TOML");
+  ASSERT_TRUE(tried) << lines_of(tried.error()).front();
+  EXPECT_EQ(tried->daemon.managed, "");
+}
+
+TEST_F(ManagedFile, HasAWholePath) {
+  write("tmcld.toml", "[daemon]\nsocket = \"s\"\nmanaged = \"managed.toml\"\n");
+  EXPECT_THAT(problems(),
+              ElementsAre(HasSubstr("tmcld.toml:3:11: 'managed' must be a whole path")));
+}
+
+TEST_F(ManagedFile, IsWrittenByTheOwnerOfItsFolderOnly) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  write("managed.toml", "");
+  ASSERT_EQ(::chown(path("managed.toml").c_str(), 12345, 0), 0);
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("belongs to another user (uid 12345)")));
+  ASSERT_EQ(::chown(path(".").c_str(), 12345, 0), 0);
+  EXPECT_THAT(problems(), ElementsAre());
+  std::filesystem::permissions(path("managed.toml"), std::filesystem::perms(0666));
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("everybody may write to it")));
+}
+
+TEST_F(ManagedFile, IsNotReadForAGatewayOfOneCall) {
+  write("managed.toml", axis("y", 1));
+  write("tmcld.d/a.toml", std::string(bus) + axis("x", 0));
+  const auto config =
+      load_config_for_link(path("tmcld.toml"), *tmcl::parse_link_name("tcp:far:4001"));
+  ASSERT_TRUE(config) << config.error().front();
+  EXPECT_EQ(config->axes.size(), 1U);
 }
 
 }  // namespace

@@ -22,6 +22,11 @@ TEST_F(LocalGatewayTest, AnswersAsTmcldDoes) {
   EXPECT_EQ(bench.error("axis.sing", {{"axis", "x"}}), "method_not_found");
 }
 
+TEST_F(LocalGatewayTest, HasNoConfigurationForClientsToSet) {
+  EXPECT_EQ(bench.error("configuration.get", {}), "not_managed");
+  EXPECT_EQ(bench.error("configuration.set", {{"toml", ""}}), "not_managed");
+}
+
 TEST_F(LocalGatewayTest, MakesACallWhileAnotherIsInProgress) {
   bench.result("axis.get_state", {{"axis", "x"}});
   bench.wire.holds = true;

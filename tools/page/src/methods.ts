@@ -714,6 +714,31 @@ export interface Methods {
       addresses: string[];
     };
   };
+  /** the part of the configuration that clients may set */
+  "configuration.get": {
+    params: Record<string, never>;
+    result: {
+      /** its path, which 'managed' in [daemon] names; null: nothing is set by clients */
+      file: string | null;
+      /** what stands in it; null: it is not there yet */
+      toml: string | null;
+    };
+  };
+  /** sets the part of the configuration that is for clients, and goes by it */
+  "configuration.set": {
+    params: {
+      /** all of it: [[bus]], [[module]], [[axis]] and [path] */
+      toml: string;
+      /** true: it is only said what would become of it; nothing changes */
+      dry_run?: boolean;
+    };
+    result: {
+      /** it is another text than the one before */
+      changed: boolean;
+      /** in words: what has become of the buses, or would */
+      buses: string;
+    };
+  };
   /** makes the calls of this connection those of a user, from now on */
   "speak_for": {
     params: {
@@ -3230,6 +3255,8 @@ export const roleFor: Record<keyof Methods, Role> = {
   "client.list": "configure",
   "audit.tail": "configure",
   "page.find": "observe",
+  "configuration.get": "configure",
+  "configuration.set": "configure",
   "speak_for": "stop",
   "line.move": "operate",
   "path.stage": "operate",

@@ -40,6 +40,8 @@ EFFECTS: Mapping[str, str] = {
     "client.list": "reads",
     "audit.tail": "reads",
     "page.find": "reads",
+    "configuration.get": "reads",
+    "configuration.set": "writes",
     "speak_for": "reads",
     "line.move": "moves",
     "path.stage": "reads",
@@ -641,6 +643,22 @@ class PageFind(Record):
     #: what a browser takes, such as https://gateway:4143; empty where nothing is served by
     #: HTTP
     addresses: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ConfigurationGet(Record):
+    #: its path, which 'managed' in [daemon] names; null: nothing is set by clients
+    file: str | None = None
+    #: what stands in it; null: it is not there yet
+    toml: str | None = None
+
+
+@dataclass(frozen=True)
+class ConfigurationSet(Record):
+    #: it is another text than the one before
+    changed: bool = False
+    #: in words: what has become of the buses, or would
+    buses: str = ""
 
 
 @dataclass(frozen=True)
@@ -2210,6 +2228,20 @@ class Methods:
         """`page.find` where the page for browsers is."""
         return PageFind.of(self._call("page.find", {}))
 
+    def configuration_get(self) -> ConfigurationGet:
+        """`configuration.get` the part of the configuration that clients may set."""
+        return ConfigurationGet.of(self._call("configuration.get", {}))
+
+    def configuration_set(
+        self,
+        toml: str,
+        *,
+        dry_run: bool | None = None,
+    ) -> ConfigurationSet:
+        """`configuration.set` sets the part of the configuration that is for clients, and goes by
+        it."""
+        return ConfigurationSet.of(self._call("configuration.set", {"toml": toml, "dry_run": dry_run}))
+
     def speak_for(
         self,
         user: str,
@@ -3297,6 +3329,20 @@ class AsyncMethods:
     async def page_find(self) -> PageFind:
         """`page.find` where the page for browsers is."""
         return PageFind.of(await self._call("page.find", {}))
+
+    async def configuration_get(self) -> ConfigurationGet:
+        """`configuration.get` the part of the configuration that clients may set."""
+        return ConfigurationGet.of(await self._call("configuration.get", {}))
+
+    async def configuration_set(
+        self,
+        toml: str,
+        *,
+        dry_run: bool | None = None,
+    ) -> ConfigurationSet:
+        """`configuration.set` sets the part of the configuration that is for clients, and goes by
+        it."""
+        return ConfigurationSet.of(await self._call("configuration.set", {"toml": toml, "dry_run": dry_run}))
 
     async def speak_for(
         self,

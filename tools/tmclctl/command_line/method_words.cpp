@@ -37,6 +37,8 @@ constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"client.list", "clients"},
     {"audit.tail", "audit"},
     {"page.find", "page"},
+    {"configuration.get", "fleet apply"},
+    {"configuration.set", "fleet apply"},
     {"axis.wait", "wait"},
     {"line.move", "line"},
     {"path.stage", "path run"},
