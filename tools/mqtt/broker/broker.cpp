@@ -194,7 +194,7 @@ std::string MosquittoBroker::prepare() {
   }
   if (error != MOSQ_ERR_SUCCESS) return "libmosquitto: " + std::string(::mosquitto_strerror(error));
   ::mosquitto_log_callback_set(client_, [](mosquitto*, void* self, int, const char* line) {
-    if (auto error = tls_error_in(line); !error.empty()) of(self).tls_error_ = std::move(error);
+    if (auto why = tls_error_in(line); !why.empty()) of(self).tls_error_ = std::move(why);
   });
   ::mosquitto_connect_v5_callback_set(
       client_, [](mosquitto*, void* self, int reason, int, const mosquitto_property*) {

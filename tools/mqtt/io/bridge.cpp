@@ -25,7 +25,7 @@ using tmcld::LogLevel;
 
 constexpr auto look_interval = std::chrono::milliseconds(100);
 constexpr auto pause_without_gateway = std::chrono::seconds(1);
-constexpr std::int32_t state_interval_ms = 200;
+constexpr std::int32_t state_interval_ms = 500;
 constexpr std::size_t longest_short_answer = 4096;
 // The one that stood on the broker before, and the will of a connection that was lost.
 constexpr int most_replaced_births = 2;
