@@ -177,7 +177,6 @@ export function want(gateways: string[]): void {
   tellWishes();
 }
 
-const kept = (gateway: string) => [topics.birthOf(gateway), topics.statesOf(gateway)];
 
 function tellWishes(): void {
   const link = links?.news;
@@ -185,9 +184,8 @@ function tellWishes(): void {
   const user = account.peek()!.user;
   const isSeen = document.visibilityState === "visible";
   const { wish, end: ended, first } = wishes.due(isSeen ? wanted : [], performance.now());
-  // The broker tells what it keeps to each subscription: what it has dropped of what is in sight is told then.
-  link.subscribe([...first.map(topics.telemetryOf), ...wish.flatMap(kept)]);
-  link.unsubscribe([...ended.map(topics.telemetryOf), ...ended.flatMap(kept)]);
+  link.subscribe([...first.map(topics.telemetryOf)]);
+  link.unsubscribe([...ended.map(topics.telemetryOf)]);
   for (const name of wish) link.publish({ topic: topics.wishOf(name, user), payload: "page", retained: true, expiryS: wishExpiryS });
   for (const name of ended) link.publish({ topic: topics.wishOf(name, user), payload: "", retained: true });
 }
