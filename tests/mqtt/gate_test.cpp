@@ -169,6 +169,14 @@ TEST_F(MqttGate, TakesTheClearingForNothing) {
 
 // ---- stops -------------------------------------------------------------------------------------
 
+TEST_F(MqttGate, StopsByAMethodAlsoWhereTheMessageIsRetainedAndEmpty) {
+  auto message = call("axis.stop");
+  message.payload.clear();
+  message.retained = true;
+  EXPECT_EQ(refusal(message), "call");
+  EXPECT_FALSE(judge(message).must_be_cleared);
+}
+
 TEST_F(MqttGate, StopsOnBothTopicsWhateverIsInTheMessage) {
   for (const auto* topic : {"tmcl/v1/hall/stop", "tmcl/v1/all/stop"}) {
     for (const auto* payload : {"", "{}", "{\"params\":7", "stop!"}) {

@@ -286,6 +286,10 @@ awaitable<std::string> Bridge::use_broker() {
   auto connecting = connect(stops_, "-stop", std::nullopt);
   auto connected = co_await std::move(connecting);
   if (connected) {
+    // Before a birth can say that the gateway is there. QoS 1 keeps a stop from being left out;
+    // without a session that lasts none comes late.
+    stops_.broker->subscribe({gate_.topics().stop(), 1});
+    stops_.broker->subscribe({Topics::stop_of_all(), 1});
     connecting = connect(calls_, "", births_.will(gate_.epoch()));
     connected = co_await std::move(connecting);
   }
@@ -329,9 +333,6 @@ awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::stri
 
 void Bridge::begin_on_broker() {
   replaced_births_ = 0;
-  // QoS 1 keeps a stop from being left out; without a session that lasts none comes late.
-  stops_.broker->subscribe({gate_.topics().stop(), 1});
-  stops_.broker->subscribe({Topics::stop_of_all(), 1});
   calls_.broker->subscribe({gate_.topics().all_calls(), 0});
   calls_.broker->subscribe({gate_.topics().all_wishes(), 0});
   calls_.broker->subscribe({gate_.topics().birth(), 0});

@@ -146,11 +146,11 @@ Judged Gate::judge_wish(const WishTopic& topic, const Message& message) const {
 }
 
 Judged Gate::judge_call(const CallTopic& topic, const Message& message, tmcl::TimePoint now) {
-  // That is how one is taken off a broker.
-  if (message.payload.empty() && message.retained) return {};
   auto reply = reply_of(topics_, message, topic.user);
   const auto known = methods_.find(topic.method);
   const bool stops = known != methods_.end() && known->second == Effect::stops;
+  // That is how one is taken off a broker; but a stop is meant to stop.
+  if (message.payload.empty() && message.retained && !stops) return {};
   if (message.retained && !stops) {
     auto judged = refused(refusal_of_retained(), std::move(reply));
     judged.must_be_cleared = true;
@@ -164,7 +164,8 @@ Judged Gate::judge_call(const CallTopic& topic, const Message& message, tmcl::Ti
   if (topic.method == nonce_method) return {NonceWanted{}, std::move(reply)};
   auto call = call_of(topic, message, now);
   if (auto* error = std::get_if<Error>(&call)) return refused(std::move(*error), std::move(reply));
-  return {std::get<CallWanted>(std::move(call)), std::move(reply), message.retained};
+  return {std::get<CallWanted>(std::move(call)), std::move(reply),
+          message.retained && !message.payload.empty()};
 }
 
 std::variant<Error, CallWanted> Gate::call_of(const CallTopic& topic, const Message& message,
