@@ -26,7 +26,7 @@ Error cannot_reload(std::string why, std::string hint = {}) {
   return not_now("cannot_reload", std::move(why), std::move(hint));
 }
 
-Error error_of(const BadFiles& bad) {
+Error error_of_files(const BadFiles& bad) {
   if (!bad.unread.empty()) return cannot_reload(bad.unread);
   auto error = param_error<&Set::toml>("bad_configuration", describe(bad.problems.front()));
   boost::json::array all;
@@ -40,7 +40,7 @@ Error error_of(const BadFiles& bad) {
 }
 
 /// `reloaded`: the first line says why not.
-Result<std::string> words_of(tl::expected<std::string, std::vector<std::string>> reloaded) {
+Result<std::string> words_or_error(tl::expected<std::string, std::vector<std::string>> reloaded) {
   if (reloaded) return std::move(*reloaded);
   return tl::unexpected(cannot_reload(std::move(reloaded.error().front())));
 }
@@ -74,8 +74,8 @@ std::string ManagedConfiguration::file() const {
 awaitable<Result<Managed>> ManagedConfiguration::get() {
   const auto path = file();
   if (path.empty()) co_return Managed{};
-  const auto read =
-      co_await daemon_.gateway().planner.plan([path] { return read_managed_file(path); });
+  auto work = [path] { return read_managed_file(path); };
+  const auto read = co_await daemon_.gateway().planner.plan(std::move(work));
   if (!read) co_return tl::unexpected(failed("not_readable", read.error()));
   Managed managed{path};
   if (*read) managed.toml = (*read)->text;
@@ -103,7 +103,7 @@ awaitable<Result<ManagedConfiguration::Next>> ManagedConfiguration::read(std::st
   if (next.file.empty()) co_return tl::unexpected(not_managed());
   auto work = [load = daemon_.load(), next]() mutable -> Result<Next> {
     auto config = load(next.toml);
-    if (!config) return tl::unexpected(error_of(config.error()));
+    if (!config) return tl::unexpected(error_of_files(config.error()));
     const auto present = read_managed_file(next.file);
     // One that cannot be read is another one.
     next.changed = !present || !*present || (*present)->text != next.toml;
@@ -120,7 +120,7 @@ awaitable<Result<ManagedConfiguration::Next>> ManagedConfiguration::read(std::st
 
 awaitable<Result<std::string>> ManagedConfiguration::foresee(Next next) const {
   auto foreseen = co_await Daemon::foresee(daemon_, next.config);
-  co_return words_of(std::move(foreseen));
+  co_return words_or_error(std::move(foreseen));
 }
 
 // The text is on the disk before the daemon goes by it, so that a full disk changes nothing, and it
@@ -135,7 +135,7 @@ awaitable<Result<std::string>> ManagedConfiguration::carry_out(Next next, Client
   if (!staged)
     co_return tl::unexpected(not_kept("the configuration stays as it was: " + staged.error()));
   auto reloaded = co_await Daemon::reload(daemon_, std::move(next.config));
-  auto words = words_of(std::move(reloaded));
+  auto words = words_or_error(std::move(reloaded));
   if (!words) co_return words;
   log(LogLevel::info, fmt::format("the configuration was set by {}: {}", client.name, *words));
   auto replace = [file = std::move(*staged)]() mutable { return file.put_in_place(); };

@@ -174,6 +174,7 @@ TEST_F(ManagedFile, AddsToOthersAndChangesNothingOfThem) {
   write("managed.toml", std::string(bus) + axis("x", 1) + "[path]\n");
   EXPECT_THAT(problems(),
               ElementsAre(HasSubstr("managed.toml:2:8: the name 'bench' is given twice in [[bus]]"),
+                          HasSubstr("managed.toml:3:8: bus 'bench' already uses this link"),
                           HasSubstr("managed.toml:5:8: the name 'x' is given twice in [[axis]]"),
                           HasSubstr("managed.toml:9:1: [path] stands in ")));
 }

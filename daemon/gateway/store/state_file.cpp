@@ -25,7 +25,7 @@ std::string because() { return std::string(": ") + std::strerror(errno); }
 
 std::string beside(const std::string& path) { return path + ".new"; }
 
-bool write_all(int file, std::string_view text) {
+bool write_whole(int file, std::string_view text) {
   while (!text.empty()) {
     const auto size = ::write(file, text.data(), text.size());
     if (size < 0 && errno == EINTR) continue;
@@ -67,7 +67,7 @@ std::string replace_state_file(const std::string& path, const std::string& text)
     const Descriptor file{::open(
         next.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, access_for_owner)};
     if (file.number < 0) return "cannot create " + next + because();
-    if (!write_all(file.number, text)) return "cannot write " + next + because();
+    if (!write_whole(file.number, text)) return "cannot write " + next + because();
   }
   if (std::rename(next.c_str(), path.c_str()) != 0) return "cannot replace " + path + because();
   return {};
@@ -83,7 +83,7 @@ tl::expected<StagedFile, std::string> StagedFile::write(std::string path, std::s
                                access_to_configuration)};
   if (file.number < 0) return tl::unexpected("cannot create " + next + because());
   StagedFile staged(std::move(path));
-  if (write_all(file.number, text) && ::fsync(file.number) == 0) return staged;
+  if (write_whole(file.number, text) && ::fsync(file.number) == 0) return staged;
   return tl::unexpected("cannot write " + next + because());
 }
 
