@@ -272,7 +272,7 @@ def start_simulator():
     return process
 
 
-def write_gateway_config(nonce_ttl_ms=TTL_MS, *more, port=PORT):
+def write_gateway_config(*more, nonce_ttl_ms=TTL_MS, port=PORT):
     """Of tmcld, and of tmcld-mqtt, which gets more lines."""
     text = f"""
 [daemon]
