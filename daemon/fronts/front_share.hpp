@@ -18,6 +18,9 @@ struct FrontShare {
   std::shared_ptr<ConfigurationKeeper> configuration{};
   /// From when a stop came in until it was answered.
   Latency stop_latency{};
+  /// In virtual time: clients are in the same one, and what they say of when they have sent a call
+  /// counts.
+  bool clients_share_virtual_time = false;
 };
 
 }  // namespace tmcld

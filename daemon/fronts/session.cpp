@@ -159,7 +159,9 @@ void Session::take_message(std::optional<std::string_view> message) {
   if (!message) return answer(nullptr, tl::unexpected(line_too_long()));
   if (message->find_first_not_of(" \t\r") == std::string_view::npos) return;
   auto [id, request] = parse_request(*message);
-  if (request && request->sent_at && is_in_virtual_time(executor_)) request->sent_at.reset();
+  const bool is_of_other_clock =
+      !share_->clients_share_virtual_time && is_in_virtual_time(executor_);
+  if (request && is_of_other_clock) request->sent_at.reset();
   if (request) return begin(std::move(*request));
   answer(id, tl::unexpected(std::move(request.error())));
 }
