@@ -10,6 +10,7 @@
 #include "api/dispatch.hpp"
 #include "async/spawn.hpp"
 #include "log/log.hpp"
+#include "tmcl/api/system.hpp"
 #include "tmcl/virtual_time.hpp"
 
 namespace tmcld {
@@ -42,6 +43,22 @@ Error too_many_requests() {
                 "more than " + std::to_string(max_requests_in_flight) +
                     " requests of this connection are in progress",
                 "wait for answers before sending more");
+}
+
+/// What a relay brings has been on its way, and the relay cannot tell how long it lay in the last
+/// socket. A stop may have come by another one meanwhile.
+std::optional<Error> objection_to_relayed(const RpcRequest& request, const Caller& caller,
+                                          const FrontShare& share, tmcl::TimePoint now) {
+  const auto effect = request.method->effect;
+  const bool acts = effect == tmcl::Effect::moves || effect == tmcl::Effect::writes;
+  if (!acts || caller.user.empty() || !request.sent_at) return std::nullopt;
+  std::string why;
+  if (*request.sent_at < share.stopped_all)
+    why = "a stop of all axes has come in since it was sent";
+  if (now - *request.sent_at > Gaps::longest_gap)
+    why = "it was on its way from the relay for longer than a second";
+  if (why.empty()) return std::nullopt;
+  return not_now(name_of(tmcl::Errc::stale_request), std::move(why), std::string(stale_hint));
 }
 
 Error no_place_for_client() {
@@ -170,6 +187,10 @@ void Session::begin(RpcRequest request) {
   const auto& method = *request.method;
   if (serves_ == Serves::stops && method.effect != tmcl::Effect::stops)
     return answer(request.id, tl::unexpected(no_place_for_client()));
+  const auto now = gateway_->clock().now();
+  if (method.name == tmcl::api::system::StopAll::method.name) share_->stopped_all = now;
+  if (auto stale = objection_to_relayed(request, caller(), *share_, now))
+    return answer(request.id, tl::unexpected(std::move(*stale)));
   if (!requests_.begin(method)) return answer(request.id, tl::unexpected(too_many_requests()));
   if (requests_.must_wait(method, outbox_.answer_bytes()))
     return requests_.wait(std::move(request));
