@@ -1,5 +1,5 @@
 // Users on a broker who call well, carelessly and with bad intent, while connections, the broker
-// and the gateway fail: nothing moves late, twice or without end, and a stop that is read is a stop.
+// and the gateway fail: nothing moves late, twice or without end, and a stop that is read is one.
 #include <gmock/gmock.h>
 
 #include <chrono>

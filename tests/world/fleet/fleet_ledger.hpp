@@ -1,5 +1,5 @@
 /// What users of a broker have asked for, set against what goes out on the wires: nothing moves
-/// late, twice, by a call of another connection of the gateway, or by one that a stop has overtaken.
+/// late, twice, by a call of another connection of the gateway, or after a stop that came later.
 #pragma once
 
 #include <algorithm>

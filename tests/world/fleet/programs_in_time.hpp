@@ -1,5 +1,5 @@
-/// Programs on one computer or on several, each with a reactor of its own, in one virtual time: each
-/// may stand still while others go on. The same happens in the same order every time.
+/// Programs on one computer or on several, each with a reactor of its own, in one virtual time:
+/// each may stand still while others go on. The same happens in the same order every time.
 #pragma once
 
 #include <algorithm>
