@@ -9,6 +9,8 @@ namespace tmcld::test {
 namespace {
 
 constexpr auto pause_without_broker = std::chrono::milliseconds(700);
+/// A broker that begins anew may have lost the attempt.
+constexpr auto let_in_timeout = std::chrono::seconds(5);
 constexpr auto retry_interval = std::chrono::milliseconds(300);
 
 std::string member(const json::object& object, std::string_view name) {
@@ -30,6 +32,20 @@ void FleetUser::connect() {
                         .user = name_,
                         .clean_start = false,
                         .session_expiry = std::chrono::seconds(60)});
+  was_let_in_ = false;
+  network_.later(let_in_timeout, [weak = weak_from_this(), number] {
+    const auto self = weak.lock();
+    if (!self || self->last_connection_ != number || self->was_let_in_) return;
+    self->connection_->abandon();
+    self->connect_later(number);
+  });
+}
+
+void FleetUser::connect_later(int number) {
+  network_.later(pause_without_broker, [weak = weak_from_this(), number] {
+    const auto self = weak.lock();
+    if (self && !self->has_ended_ && self->last_connection_ == number) self->connect();
+  });
 }
 
 void FleetUser::end() {
@@ -47,6 +63,7 @@ void FleetUser::on_delivery(Delivery delivery) {
   }
   is_let_in_ = delivery.kind == Kind::let_in;
   if (is_let_in_) {
+    was_let_in_ = true;
     connection_->subscribe("tmcl/v1/+/birth", 1);
     connection_->subscribe("tmcl/v1/reply/" + name_ + "/#", 1);
     // What the broker has not acknowledged is sent once more.
@@ -55,11 +72,7 @@ void FleetUser::on_delivery(Delivery delivery) {
     for (auto& publication : std::exchange(to_send_, {})) publish(std::move(publication));
     return;
   }
-  if (has_ended_) return;
-  network_.later(pause_without_broker, [weak = weak_from_this()] {
-    const auto self = weak.lock();
-    if (self && !self->has_ended_) self->connect();
-  });
+  connect_later(last_connection_);
 }
 
 // ---- what it says ------------------------------------------------------------------------------

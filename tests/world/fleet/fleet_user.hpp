@@ -92,6 +92,8 @@ class FleetUser : public std::enable_shared_from_this<FleetUser> {
 
  private:
   void connect();
+  /// Unless another connection than that has been begun meanwhile.
+  void connect_later(int number);
   void on_delivery(Delivery delivery);
   void on_message(const tmclmqtt::Message& message);
   void on_birth(const std::string& text);
@@ -106,6 +108,7 @@ class FleetUser : public std::enable_shared_from_this<FleetUser> {
   std::shared_ptr<Connection> connection_;
   int last_connection_ = 0;
   bool is_let_in_ = false;
+  bool was_let_in_ = false;  ///< By the last connection.
   bool has_ended_ = false;
   std::deque<Publication> to_send_;  ///< Of QoS 1, when there is a connection again.
   std::map<std::uint64_t, Publication> unacknowledged_;

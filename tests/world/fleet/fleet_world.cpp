@@ -615,43 +615,64 @@ awaitable<void> FleetWorld::act(std::shared_ptr<FleetUser> user, std::uint64_t n
 // ---- faults ------------------------------------------------------------------------------------
 
 void FleetWorld::break_something(Random& random) {
-  const auto line = random.one_in(2) ? calls_ : stops_;
+  const bool is_of_calls = random.one_in(2);
+  const auto line = is_of_calls ? calls_ : stops_;
   const auto last = static_cast<std::int64_t>(users_.size()) - 1;
   const auto& user = *users_[static_cast<std::size_t>(random.between(0, last))];
   const auto of_user = user.connection();
   const tmcl::Duration time = milliseconds(random.any_size(8'000));
   const auto turns = static_cast<int>(random.between(0, 12));
+  const auto note = [&](const std::string& what) {
+    const auto ms = std::chrono::duration_cast<milliseconds>(time).count();
+    ledger_->note(now(), fmt::format("{}, {} ms", what, ms));
+  };
+  const std::string of_line = is_of_calls ? "the connection of calls " : "that of stops ";
   switch (random.between(0, 15)) {
     case 0:
+      note(of_line + "is cut");
       if (line) line->cut(random.one_in(2));
       return;
     case 1:
+      note(of_line + "falls silent");
       if (line) line->fall_silent();
       return;
     case 2:
+      note(of_line + "stalls downwards");
       if (line) line->stall_down(time);
       return;
     case 3:
+      note(of_line + "stalls upwards");
       if (line) line->stall_up(time);
       return;
     case 4:
+      note("that of " + user.name() + " is cut");
       if (of_user) of_user->cut(random.one_in(2));
       return;
     case 5:
+      note("that of " + user.name() + " stalls upwards");
       if (of_user) of_user->stall_up(time);
       return;
     case 6:
+      note("that of " + user.name() + " stalls downwards");
       if (of_user) of_user->stall_down(time);
       return;
-    case 7: return network_->freeze_broker(time);
-    case 8: return network_->restart_broker(random.one_in(2), milliseconds(random.any_size(4'000)));
-    case 9: return programs_.freeze(bridge_program_, turns, time);
-    case 10: return programs_.freeze(gateway_program_, turns, time);
-    case 11:
+    case 7: note("the broker stands still"); return network_->freeze_broker(time);
+    case 8: {
+      note("the broker begins anew");
+      const bool keeps = random.one_in(2);
+      return network_->restart_broker(keeps, milliseconds(random.any_size(4'000)));
+    }
+    case 9: note("the bridge stands still"); return programs_.freeze(bridge_program_, turns, time);
+    case 10: note("tmcld stands still"); return programs_.freeze(gateway_program_, turns, time);
+    case 11: {
+      note("both stand still");
       programs_.freeze(bridge_program_, turns, time);
-      return programs_.freeze(gateway_program_, static_cast<int>(random.between(0, 12)),
-                              random.one_in(2) ? time : tmcl::Duration(time / 2));
+      const auto turns_of_gateway = static_cast<int>(random.between(0, 12));
+      const tmcl::Duration of_gateway = random.one_in(2) ? time : tmcl::Duration(time / 2);
+      return programs_.freeze(gateway_program_, turns_of_gateway, of_gateway);
+    }
     case 12:  // Another program comes under its name.
+      note("another birth");
       network_->broker().publish_as_broker(
           {.topic = std::string("tmcl/v1/") + FleetUser::gateway + "/birth",
            .payload = random.one_in(2) ? "" : R"({"online":false,"epoch":"old"})",
@@ -660,13 +681,15 @@ void FleetWorld::break_something(Random& random) {
       return;
     case 13:
     case 14: {  // While a call is on its way through one of them.
-      auto& program = random.one_in(2) ? bridge_program_ : gateway_program_;
+      const bool is_bridge = random.one_in(2);
+      auto& program = is_bridge ? bridge_program_ : gateway_program_;
+      note(is_bridge ? "the bridge will stand still at a call" : "tmcld will stand still at a call");
       freeze_at_call_ = [this, &program, turns, time] { programs_.freeze(program, turns, time); };
       return;
     }
     default:
       drops_noted_ = now();
-      ledger_->note(now(), "tmcld cuts its clients off");
+      note("tmcld cuts its clients off");
       server_->close_sessions();
   }
 }
