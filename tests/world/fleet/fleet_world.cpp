@@ -683,7 +683,8 @@ void FleetWorld::break_something(Random& random) {
     case 14: {  // While a call is on its way through one of them.
       const bool is_bridge = random.one_in(2);
       auto& program = is_bridge ? bridge_program_ : gateway_program_;
-      note(is_bridge ? "the bridge will stand still at a call" : "tmcld will stand still at a call");
+      note(is_bridge ? "the bridge will stand still at a call"
+                     : "tmcld will stand still at a call");
       freeze_at_call_ = [this, &program, turns, time] { programs_.freeze(program, turns, time); };
       return;
     }

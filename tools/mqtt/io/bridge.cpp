@@ -29,6 +29,7 @@ constexpr std::int32_t state_interval_ms = 500;
 constexpr std::size_t longest_short_answer = 4096;
 // The one that stood on the broker before, and the will of a connection that was lost.
 constexpr int most_replaced_births = 2;
+constexpr int most_links_of_stops = 4;
 
 std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Methods& told) {
   std::map<std::string, tmcl::Effect, std::less<>> methods;
@@ -93,6 +94,11 @@ Error no_gateway() {
   return {std::string(tmcl::client::error_name::unreachable), ErrorKind::failed,
           tmcl::Outcome::not_sent, "tmcld is not there",
           "'tmclctl doctor' on the gateway says why"};
+}
+
+bool is_of_broken_link(const Error& error) {
+  return error.name == tmcl::client::error_name::lost ||
+         error.name == tmcl::client::error_name::unreachable;
 }
 
 }  // namespace
@@ -424,11 +430,36 @@ void Bridge::carry_out(Line& line, Judged judged, tmcl::TimePoint now) {
 }
 
 void Bridge::stop_axes(Line& line, std::optional<ReplyTo> reply) {
-  if (!gateway_) return answer(line, reply, tl::unexpected(no_gateway()));
-  gateway_->call(api::system::StopAll::method.name, {},
-                 [weak = weak_from_this(), reply, &line](const Result<json::object>& result) {
-                   if (const auto self = weak.lock()) self->answer(line, reply, result);
-                 });
+  if (!gateway_) return stop_by_another_link(line, reply);
+  auto on_answer = [weak = weak_from_this(), reply, &line](const Result<json::object>& result) {
+    const auto self = weak.lock();
+    if (!self) return;
+    if (result || self->stopping_ || !is_of_broken_link(result.error()))
+      return self->answer(line, reply, result);
+    self->stop_by_another_link(line, reply);
+  };
+  gateway_->call(api::system::StopAll::method.name, {}, std::move(on_answer));
+}
+
+void Bridge::stop_by_another_link(Line& line, const std::optional<ReplyTo>& reply) {
+  if (links_of_stops_ >= most_links_of_stops)
+    return answer(line, reply, tl::unexpected(no_gateway()));
+  ++links_of_stops_;
+  tmcld::spawn(executor_, stop_anew(shared_from_this(), line, reply));
+}
+
+awaitable<void> Bridge::stop_anew(std::shared_ptr<Bridge> self, Line& line,
+                                  std::optional<ReplyTo> reply) {
+  auto opening = GatewayLink::open(self->config_.socket, nullptr);
+  const auto opened = co_await std::move(opening);
+  Result<json::object> result = tl::unexpected(no_gateway());
+  if (opened) {
+    auto asking = (*opened)->call(api::system::StopAll::method.name, json::object());
+    result = co_await std::move(asking);
+    (*opened)->close();
+  }
+  --self->links_of_stops_;
+  self->answer(line, reply, result);
 }
 
 void Bridge::answer(Line& line, const std::optional<ReplyTo>& reply,

@@ -75,6 +75,10 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   void take(Line& line, const Message& message);
   void carry_out(Line& line, Judged judged, tmcl::TimePoint now);
   void stop_axes(Line& line, std::optional<ReplyTo> reply);
+  /// tmcld may be there although it has cut this program off, and a stop cannot wait for that.
+  void stop_by_another_link(Line& line, const std::optional<ReplyTo>& reply);
+  static boost::asio::awaitable<void> stop_anew(std::shared_ptr<Bridge> self, Line& line,
+                                                std::optional<ReplyTo> reply);
   void answer(Line& line, const std::optional<ReplyTo>& reply,
               const tmcl::client::Result<boost::json::object>& result);
   void say_birth();
@@ -105,6 +109,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   std::optional<HomeAssistant> home_;         ///< None: not configured.
   tmcld::LogLimiter limiter_;
   int replaced_births_ = 0;  ///< Since the connection to the broker is there.
+  int links_of_stops_ = 0;
   bool connecting_ = false;
   bool stopping_ = false;
 };
