@@ -115,7 +115,7 @@ class FleetLedger {
     complaints_.push_back(std::move(text));
   }
   void note(tmcl::TimePoint time, const std::string& what) {
-    constexpr std::size_t most = 60;
+    constexpr std::size_t most = 400;
     const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch());
     history_.push_back(std::to_string(us.count()) + " us: " + what);
     if (history_.size() > most) history_.pop_front();

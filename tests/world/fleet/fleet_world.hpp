@@ -24,10 +24,9 @@ namespace tmcld::test {
 /// What is broken on purpose.
 enum class FleetCanary : std::uint8_t {
   none,
-  same_nonce,       ///< All nonces and epochs are the same text.
-  deaf_to_stops,    ///< Stops that were read are dropped.
-  lease_for_long,   ///< Users ask for longer leases than the observer is told.
-  answers_doubled,  ///< An answer goes out twice.
+  same_nonce,      ///< All nonces and epochs are the same text.
+  deaf_to_stops,   ///< Stops that were read are dropped.
+  lease_for_long,  ///< Users ask for longer leases than the observer is told.
 };
 
 struct FleetTrouble {
