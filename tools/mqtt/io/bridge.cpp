@@ -129,7 +129,8 @@ void Bridge::start_sparkplug() {
   Sparkplug node({config_.sparkplug_group, config_.gateway, config_.sparkplug_host}, TMCL_VERSION);
   const auto weak = weak_from_this();
   sparkplug_ = std::make_shared<SparkplugLink>(
-      executor_, broker_options(config_, client_id_ + "-sparkplug"), parts_.connect, std::move(node),
+      executor_, broker_options(config_, client_id_ + "-sparkplug"), parts_.connect,
+      std::move(node),
       [weak] {
         const auto self = weak.lock();
         return self && self->calls_.broker;
