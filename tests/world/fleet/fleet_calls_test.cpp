@@ -14,7 +14,7 @@
 namespace tmcld::test {
 namespace {
 
-constexpr int usual_runs = 500;
+constexpr int usual_runs = 50;
 
 /// One in ten has no faults: there it shows what a fault excuses.
 FleetTrouble fleet_trouble_of(std::uint64_t seed) { return {.faults = seed % 10 != 0}; }

@@ -614,48 +614,65 @@ awaitable<void> FleetWorld::act(std::shared_ptr<FleetUser> user, std::uint64_t n
 
 // ---- faults ------------------------------------------------------------------------------------
 
-void FleetWorld::break_something(Random& random) {
-  const bool is_of_calls = random.one_in(2);
+void FleetWorld::note_fault(const std::string& what, tmcl::Duration time) {
+  const auto ms = std::chrono::duration_cast<milliseconds>(time).count();
+  ledger_->note(now(), fmt::format("{}, {} ms", what, ms));
+}
+
+void FleetWorld::break_line(std::int64_t kind, bool is_of_calls, tmcl::Duration time,
+                            Random& random) {
   const auto line = is_of_calls ? calls_ : stops_;
-  const auto last = static_cast<std::int64_t>(users_.size()) - 1;
-  const auto& user = *users_[static_cast<std::size_t>(random.between(0, last))];
-  const auto of_user = user.connection();
-  const tmcl::Duration time = milliseconds(random.any_size(8'000));
-  const auto turns = static_cast<int>(random.between(0, 12));
-  const auto note = [&](const std::string& what) {
-    const auto ms = std::chrono::duration_cast<milliseconds>(time).count();
-    ledger_->note(now(), fmt::format("{}, {} ms", what, ms));
-  };
   const std::string of_line = is_of_calls ? "the connection of calls " : "that of stops ";
-  switch (random.between(0, 15)) {
+  switch (kind) {
     case 0:
-      note(of_line + "is cut");
+      note_fault(of_line + "is cut", time);
       if (line) line->cut(random.one_in(2));
       return;
     case 1:
-      note(of_line + "falls silent");
+      note_fault(of_line + "falls silent", time);
       if (line) line->fall_silent();
       return;
     case 2:
-      note(of_line + "stalls downwards");
+      note_fault(of_line + "stalls downwards", time);
       if (line) line->stall_down(time);
       return;
-    case 3:
-      note(of_line + "stalls upwards");
+    default:
+      note_fault(of_line + "stalls upwards", time);
       if (line) line->stall_up(time);
-      return;
+  }
+}
+
+void FleetWorld::break_user(std::int64_t kind, const FleetUser& user, tmcl::Duration time,
+                            Random& random) {
+  const auto of_user = user.connection();
+  switch (kind) {
     case 4:
-      note("that of " + user.name() + " is cut");
+      note_fault("that of " + user.name() + " is cut", time);
       if (of_user) of_user->cut(random.one_in(2));
       return;
     case 5:
-      note("that of " + user.name() + " stalls upwards");
+      note_fault("that of " + user.name() + " stalls upwards", time);
       if (of_user) of_user->stall_up(time);
       return;
-    case 6:
-      note("that of " + user.name() + " stalls downwards");
+    default:
+      note_fault("that of " + user.name() + " stalls downwards", time);
       if (of_user) of_user->stall_down(time);
-      return;
+  }
+}
+
+void FleetWorld::break_something(Random& random) {
+  const bool is_of_calls = random.one_in(2);
+  const auto last = static_cast<std::int64_t>(users_.size()) - 1;
+  const auto& user = *users_[static_cast<std::size_t>(random.between(0, last))];
+  const tmcl::Duration time = milliseconds(random.any_size(8'000));
+  const auto turns = static_cast<int>(random.between(0, 12));
+  const auto note = [&](const std::string& what) { note_fault(what, time); };
+  constexpr std::int64_t first_of_users = 4;
+  constexpr std::int64_t first_of_programs = 7;
+  const auto kind = random.between(0, 15);
+  if (kind < first_of_users) return break_line(kind, is_of_calls, time, random);
+  if (kind < first_of_programs) return break_user(kind, user, time, random);
+  switch (kind) {
     case 7: note("the broker stands still"); return network_->freeze_broker(time);
     case 8: {
       note("the broker begins anew");

@@ -99,6 +99,9 @@ class FleetWorld {
 
   // ---- faults, and who looks ----
   boost::asio::awaitable<void> break_things();
+  void note_fault(const std::string& what, tmcl::Duration time);
+  void break_line(std::int64_t kind, bool is_of_calls, tmcl::Duration time, Random& random);
+  void break_user(std::int64_t kind, const FleetUser& user, tmcl::Duration time, Random& random);
   void break_something(Random& random);
   boost::asio::awaitable<void> look_around();
   boost::asio::awaitable<void> local_client();
