@@ -30,6 +30,11 @@ constexpr std::size_t longest_short_answer = 4096;
 // The one that stood on the broker before, and the will of a connection that was lost.
 constexpr int most_replaced_births = 2;
 constexpr int most_links_of_stops = 4;
+// More of them at a time cost a gateway that is late more time, and stop nothing sooner: those that
+// come meanwhile go out as one.
+constexpr int most_stops_in_progress = 8;
+// Those beyond are carried out with them, without an answer.
+constexpr std::size_t most_waiting_stops = 4096;
 
 std::map<std::string, tmcl::Effect, std::less<>> methods_of(const api::rpc::Methods& told) {
   std::map<std::string, tmcl::Effect, std::less<>> methods;
@@ -431,13 +436,32 @@ void Bridge::carry_out(Line& line, Judged judged, tmcl::TimePoint now) {
 }
 
 void Bridge::stop_axes(Line& line, std::optional<ReplyTo> reply) {
-  if (!gateway_) return stop_by_another_link(line, reply);
-  auto on_answer = [weak = weak_from_this(), reply, &line](const Result<json::object>& result) {
+  if (waiting_stops_.size() < most_waiting_stops)
+    waiting_stops_.emplace_back(&line, std::move(reply));
+  send_stops();
+}
+
+void Bridge::send_stops() {
+  if (waiting_stops_.empty() || stops_in_progress_ >= most_stops_in_progress) return;
+  const auto stops = std::exchange(waiting_stops_, {});
+  if (!gateway_) {
+    for (const auto& [line, reply] : stops) stop_by_another_link(*line, reply);
+    return;
+  }
+  ++stops_in_progress_;
+  auto on_answer = [weak = weak_from_this(), stops](const Result<json::object>& result) {
     const auto self = weak.lock();
     if (!self) return;
-    if (result || self->stopping_ || !is_of_broken_link(result.error()))
-      return self->answer(line, reply, result);
-    self->stop_by_another_link(line, reply);
+    --self->stops_in_progress_;
+    const bool is_carried_out = result || self->stopping_ || !is_of_broken_link(result.error());
+    for (const auto& [line, reply] : stops) {
+      if (is_carried_out) {
+        self->answer(*line, reply, result);
+      } else {
+        self->stop_by_another_link(*line, reply);
+      }
+    }
+    self->send_stops();
   };
   gateway_->call(api::system::StopAll::method.name, {}, std::move(on_answer));
 }

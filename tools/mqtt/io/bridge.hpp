@@ -75,6 +75,8 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   void take(Line& line, const Message& message);
   void carry_out(Line& line, Judged judged, tmcl::TimePoint now);
   void stop_axes(Line& line, std::optional<ReplyTo> reply);
+  /// One for all that wait.
+  void send_stops();
   /// tmcld may be there although it has cut this program off, and a stop cannot wait for that.
   void stop_by_another_link(Line& line, const std::optional<ReplyTo>& reply);
   static boost::asio::awaitable<void> stop_anew(std::shared_ptr<Bridge> self, Line& line,
@@ -109,6 +111,8 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   std::optional<HomeAssistant> home_;         ///< None: not configured.
   tmcld::LogLimiter limiter_;
   int replaced_births_ = 0;  ///< Since the connection to the broker is there.
+  std::vector<std::pair<Line*, std::optional<ReplyTo>>> waiting_stops_;
+  int stops_in_progress_ = 0;
   int links_of_stops_ = 0;
   bool connecting_ = false;
   bool stopping_ = false;
