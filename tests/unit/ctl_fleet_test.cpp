@@ -276,9 +276,10 @@ TEST(CtlCallRoundProperty, EndsEachCallOnce) {
     auto now = begin;
     for (int step = 0; step < 2000 && !round.is_done(); ++step) {
       for (auto& one : round.due(now)) {
-        if (one.topic.ends_with("/m") && one.payload.find("nonce") != std::string::npos)
+        if (one.topic.ends_with("/m") && one.payload.find("nonce") != std::string::npos) {
           EXPECT_LE(++acted[call_in(one.correlation)], 1)
               << "seed " << seed << " round " << round_number;
+        }
         open.push_back(std::move(one));
       }
       now += ms(random.between(0, 400));
