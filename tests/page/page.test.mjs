@@ -21,11 +21,12 @@ describe("a page that needs no token", () => {
   });
 
   it("shows the axes, and moves one", async () => {
-    await move(page, "x", "12.5");
+    // Five seconds: a busy machine draws late.
+    await move(page, "x", "100");
     await card(page, "x").getByText("Arrives in").waitFor();
-    await card(page, "x").getByText("12.5 mm").first().waitFor();
+    await card(page, "x").getByText("100 mm").first().waitFor();
     await bench.stands("x");
-    assert.equal((await bench.state("x")).target, 12.5);
+    assert.equal((await bench.state("x")).target, 100);
     await card(page, "x").getByText("Arrives in").waitFor({ state: "detached" });
   });
 
