@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/plan/path_correction.hpp"
