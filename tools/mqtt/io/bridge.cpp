@@ -29,7 +29,6 @@ constexpr std::int32_t state_interval_ms = 500;
 constexpr std::size_t longest_short_answer = 4096;
 // The one that stood on the broker before, and the will of a connection that was lost.
 constexpr int most_replaced_births = 2;
-constexpr int most_links_of_stops = 4;
 // More of them at a time cost a gateway that is late more time, and stop nothing sooner: those that
 // come meanwhile go out as one.
 constexpr int most_stops_in_progress = 8;
@@ -443,38 +442,24 @@ void Bridge::stop_axes(Line& line, std::optional<ReplyTo> reply) {
 
 void Bridge::send_stops() {
   if (waiting_stops_.empty() || stops_in_progress_ >= most_stops_in_progress) return;
-  const auto stops = std::exchange(waiting_stops_, {});
-  if (!gateway_) {
-    for (const auto& [line, reply] : stops) stop_by_another_link(*line, reply);
-    return;
-  }
+  auto stops = std::exchange(waiting_stops_, {});
   ++stops_in_progress_;
+  if (!gateway_) return stop_by_another_link(std::move(stops));
   auto on_answer = [weak = weak_from_this(), stops](const Result<json::object>& result) {
     const auto self = weak.lock();
     if (!self) return;
-    --self->stops_in_progress_;
-    const bool is_carried_out = result || self->stopping_ || !is_of_broken_link(result.error());
-    for (const auto& [line, reply] : stops) {
-      if (is_carried_out) {
-        self->answer(*line, reply, result);
-      } else {
-        self->stop_by_another_link(*line, reply);
-      }
-    }
-    self->send_stops();
+    if (!result && !self->stopping_ && is_of_broken_link(result.error()))
+      return self->stop_by_another_link(stops);
+    self->end_stops(stops, result);
   };
   gateway_->call(api::system::StopAll::method.name, {}, std::move(on_answer));
 }
 
-void Bridge::stop_by_another_link(Line& line, const std::optional<ReplyTo>& reply) {
-  if (links_of_stops_ >= most_links_of_stops)
-    return answer(line, reply, tl::unexpected(no_gateway()));
-  ++links_of_stops_;
-  tmcld::spawn(executor_, stop_anew(shared_from_this(), line, reply));
+void Bridge::stop_by_another_link(Stops stops) {
+  tmcld::spawn(executor_, stop_anew(shared_from_this(), std::move(stops)));
 }
 
-awaitable<void> Bridge::stop_anew(std::shared_ptr<Bridge> self, Line& line,
-                                  std::optional<ReplyTo> reply) {
+awaitable<void> Bridge::stop_anew(std::shared_ptr<Bridge> self, Stops stops) {
   auto opening = GatewayLink::open(self->config_.socket, nullptr);
   const auto opened = co_await std::move(opening);
   Result<json::object> result = tl::unexpected(no_gateway());
@@ -483,8 +468,13 @@ awaitable<void> Bridge::stop_anew(std::shared_ptr<Bridge> self, Line& line,
     result = co_await std::move(asking);
     (*opened)->close();
   }
-  --self->links_of_stops_;
-  self->answer(line, reply, result);
+  self->end_stops(stops, result);
+}
+
+void Bridge::end_stops(const Stops& stops, const Result<json::object>& result) {
+  --stops_in_progress_;
+  for (const auto& [line, reply] : stops) answer(*line, reply, result);
+  send_stops();
 }
 
 void Bridge::answer(Line& line, const std::optional<ReplyTo>& reply,

@@ -74,13 +74,16 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
 
   void take(Line& line, const Message& message);
   void carry_out(Line& line, Judged judged, tmcl::TimePoint now);
+  /// Where each came from, and where its answer goes.
+  using Stops = std::vector<std::pair<Line*, std::optional<ReplyTo>>>;
+
   void stop_axes(Line& line, std::optional<ReplyTo> reply);
   /// One for all that wait.
   void send_stops();
   /// tmcld may be there although it has cut this program off, and a stop cannot wait for that.
-  void stop_by_another_link(Line& line, const std::optional<ReplyTo>& reply);
-  static boost::asio::awaitable<void> stop_anew(std::shared_ptr<Bridge> self, Line& line,
-                                                std::optional<ReplyTo> reply);
+  void stop_by_another_link(Stops stops);
+  static boost::asio::awaitable<void> stop_anew(std::shared_ptr<Bridge> self, Stops stops);
+  void end_stops(const Stops& stops, const tmcl::client::Result<boost::json::object>& result);
   void answer(Line& line, const std::optional<ReplyTo>& reply,
               const tmcl::client::Result<boost::json::object>& result);
   void say_birth();
@@ -111,9 +114,8 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   std::optional<HomeAssistant> home_;         ///< None: not configured.
   tmcld::LogLimiter limiter_;
   int replaced_births_ = 0;  ///< Since the connection to the broker is there.
-  std::vector<std::pair<Line*, std::optional<ReplyTo>>> waiting_stops_;
+  Stops waiting_stops_;
   int stops_in_progress_ = 0;
-  int links_of_stops_ = 0;
   bool connecting_ = false;
   bool stopping_ = false;
 };
