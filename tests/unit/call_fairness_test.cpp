@@ -68,6 +68,21 @@ TEST(CallFairness, AStopThatComesWhileTheLastFenceIsOutGoesOutAllTheSame) {
   EXPECT_EQ(std::ranges::count(bus.sent(), mst(1)), 1);
 }
 
+/// The one before may have been lost.
+TEST(CallFairness, AStopWhileTheLastFenceIsOutGoesOutThoughOneBeforeItDid) {
+  ScriptedBus bus;
+  bus.submit(mvp(1, 100));
+  bus.pass(350ms);
+  bus.submit(gap(1));
+  while (bus.counters().fences < 1) bus.pass(1ms);
+  bus.submit(mst(1));
+  while (bus.counters().fences < 2) bus.pass(1ms);
+  ASSERT_EQ(std::ranges::count(bus.sent(), mst(1)), 1);
+  bus.submit(mst(1));
+  bus.settle();
+  EXPECT_EQ(std::ranges::count(bus.sent(), mst(1)), 2);
+}
+
 TEST(CallFairness, FloodsOfOneKindLeaveRoomInTheQueueForTheOthers) {
   ScriptedBus bus;
   for (std::size_t i = 0; i <= 2 * max_queued_calls; ++i)

@@ -55,13 +55,13 @@ void CallQueue::put_back(Call call) {
 
 // Of calls that wait at the same time none is known to be first: so a read may be joined by
 // a later one, and a stop goes out before every movement that could lie between. A stop that went
-// out before may be at its last try.
+// out before may be lost, and at its last try.
 bool CallQueue::join(const Call& newcomer) {
   const auto kind = kind_of(newcomer);
   if (kind == 1 || !has_defaults(newcomer.options)) return false;
   const auto twin = std::ranges::find_if(levels_[kind], [&](const Call& call) {
     const bool is_last_try =
-        call.is_stop() && (call.times_sent > 0 || call.rescue != Call::Rescue::none);
+        call.is_stop() && (call.was_on_the_wire() || call.rescue != Call::Rescue::none);
     const bool is_fresh = !call.unproven && !is_last_try;
     return call.request == newcomer.request && has_defaults(call.options) && is_fresh;
   });
