@@ -23,6 +23,8 @@ struct FleetCall {
   std::vector<std::string> axes;
   std::int32_t value = 0;
   std::string epoch{};
+  std::string nonce{};
+  tmcl::TimePoint nonce_came{};
   bool is_fit = true;  ///< As the protocol wants it; others must move nothing.
   bool has_lease = false;
   bool unattended = false;
@@ -70,6 +72,8 @@ class FleetLedger {
     found->second.connection_began = connection_began;
     found->second.epoch_at_reading = epoch;
   }
+  /// By a call that moves nothing, and that was carried out.
+  void on_nonce_used(const std::string& nonce) { nonces_used_.emplace(nonce, 0); }
 
   // ---- stops ----
 
@@ -169,6 +173,9 @@ class FleetLedger {
     oldest_ = std::max(oldest_, now - call.published);
     if (now - call.published > longest_age)
       complain(what + ": its call was published too long ago");
+    if (now - call.nonce_came > longest_age) complain(what + ": the nonce of its call is too old");
+    if (nonces_used_.emplace(call.nonce, call.value).first->second != call.value)
+      complain(what + ": the nonce of its call was used before");
     if (call.epoch != call.epoch_at_reading) complain(what + ": its call is of another epoch");
     if (call.made < call.connection_began)
       complain(what + ": its call is from before the connection by which it came");
@@ -182,7 +189,8 @@ class FleetLedger {
   std::vector<WorldAxis> axes_;
   std::function<tmcl::Duration()> frozen_;
   std::map<std::int32_t, FleetCall> calls_;
-  std::map<std::string, std::int32_t> turning_;  ///< The value of the call, by axis.
+  std::map<std::string, std::int32_t> nonces_used_;  ///< The value of the call; 0: of another kind.
+  std::map<std::string, std::int32_t> turning_;      ///< The value of the call, by axis.
   std::deque<Stop> stops_;
   /// When that stop was read which its module was sent last.
   std::map<std::string, tmcl::TimePoint> stop_read_;

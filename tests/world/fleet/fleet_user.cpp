@@ -121,7 +121,7 @@ std::optional<Nonce> FleetUser::take_nonce() {
   if (nonces_.empty()) return std::nullopt;
   auto nonce = std::move(nonces_.back());
   nonces_.pop_back();
-  used_nonces.push_back(nonce.text);
+  used_nonces.push_back(nonce);
   if (used_nonces.size() > 20) used_nonces.pop_front();
   return nonce;
 }

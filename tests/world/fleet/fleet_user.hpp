@@ -87,7 +87,7 @@ class FleetUser : public std::enable_shared_from_this<FleetUser> {
   std::map<std::string, int> read;
   std::map<Reason, int> reasons;
   std::set<std::string> old_epochs;
-  std::deque<std::string> used_nonces;
+  std::deque<Nonce> used_nonces;
   std::size_t answered = 0;
 
  private:

@@ -94,7 +94,7 @@ class FleetWorld {
   boost::asio::awaitable<void> stop_until_answered(std::shared_ptr<FleetUser> user, bool of_all,
                                                    tmcl::Duration patience);
   FleetCall call_of(const FleetUser& user, const std::string& method, const std::string& axis,
-                    json::object& params);
+                    const std::optional<Nonce>& nonce, json::object& params);
   const std::string& any_axis(Random& random) const;
 
   // ---- faults, and who looks ----

@@ -68,11 +68,11 @@ class ProgramsInTime {
   }
 
  private:
+  /// Until each of them, one after the other, has had nothing to do.
   void settle() {
-    for (bool goes_on = true; goes_on;) {
-      goes_on = false;
-      for (auto* program : programs_) goes_on = poll(*program) || goes_on;
-    }
+    std::size_t idle = 0;
+    for (std::size_t next = 0; idle < programs_.size(); next = (next + 1) % programs_.size())
+      idle = poll(*programs_[next]) ? 0 : idle + 1;
   }
   bool poll(ProgramInTime& program) {
     if (program.is_frozen()) return false;

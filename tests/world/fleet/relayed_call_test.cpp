@@ -2,41 +2,16 @@
 #include <gmock/gmock.h>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/json/parse.hpp>
-#include <boost/json/serialize.hpp>
 
 #include "config/load.hpp"
-#include "fronts/session.hpp"
 #include "gateway/gateway.hpp"
 #include "tmcl/virtual_time.hpp"
+#include "world/fleet/relay_session.hpp"
 
 namespace tmcld::test {
 namespace {
 
 using std::chrono::milliseconds;
-
-/// A relay's connection, over which it speaks for one user.
-class RelaySession final : public Session {
- public:
-  RelaySession(const boost::asio::any_io_executor& executor, std::shared_ptr<Gateway> gateway,
-               Options options)
-      : Session(executor, std::move(gateway), std::move(options)) {}
-  void say(const std::string& method, const boost::json::object& params) {
-    take(boost::json::serialize(boost::json::object{
-        {"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}}));
-  }
-  /// Name of the error, or "done".
-  std::string outcome() {
-    const auto line = next_answer();
-    if (!line) return "none";
-    const auto answer = boost::json::parse(*line).as_object();
-    const auto* error = answer.if_contains("error");
-    return error == nullptr ? "done" : std::string(error->at("data").at("name").as_string());
-  }
-
- private:
-  void disconnect() override {}
-};
 
 class RelayedCall : public testing::Test {
  protected:
