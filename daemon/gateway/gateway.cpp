@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "async/slept.hpp"
 #include "async/spawn.hpp"
 #include "gateway/journey/awaited_run.hpp"
 #include "gateway/journey/search_watch.hpp"
@@ -362,8 +363,9 @@ void Gateway::stop_all_axes() {
 
 boost::asio::awaitable<void> Gateway::watch_for_gaps(std::shared_ptr<Gateway> self) {
   auto& gaps = self->arrivals_->gaps;
+  const auto executor = co_await boost::asio::this_coro::executor;
   while (!self->is_closed_) {
-    gaps.look(self->clock_.now());
+    gaps.look(self->clock_.now(), slept(executor));
     if (gaps.is_in_gap()) {
       co_await self->closed_.wait_for(Gaps::time_to_take_in);
       gaps.end(self->arrivals_->last);

@@ -30,8 +30,8 @@ class MqttGate : public testing::Test {
 
   /// As the reactor does, which looks ten times a second.
   void pass(tmcl::Duration time) {
-    for (const auto end = now + time; now < end; gate.look(now)) now += std::min(end - now, step);
-    gate.look(now);
+    for (const auto end = now + time; now < end; look()) now += std::min(end - now, step);
+    look();
   }
   Message call(const std::string& method, const json::object& said = {}) const {
     return {.topic = "tmcl/v1/hall/call/operate/anna/" + method,
@@ -42,7 +42,11 @@ class MqttGate : public testing::Test {
   json::object fresh(const json::object& params = {{"axis", "x"}}) {
     return {{"params", params}, {"epoch", gate.epoch()}, {"nonce", gate.give_nonce("anna", now)}};
   }
-  Judged judge(const Message& message) { return gate.judge(message, now); }
+  void look() { gate.look(now, slept); }
+  Judged judge(const Message& message) {
+    look();
+    return gate.judge(message, now);
+  }
   /// Name of the error, or what it is instead.
   std::string refusal(const Message& message) {
     const auto judged = judge(message);
@@ -59,6 +63,7 @@ class MqttGate : public testing::Test {
   int drawn = 0;
   Gate gate{"hall", [this] { return "drawn-" + std::to_string(++drawn); }, 2s};
   tmcl::TimePoint now{1h};
+  tmcl::Duration slept{};
 };
 
 TEST_F(MqttGate, PassesACallWithEpochAndNonce) {
@@ -136,6 +141,13 @@ TEST_F(MqttGate, RefusesWhatWaitedWhileTheReactorStoodStill) {
   EXPECT_TRUE(gate.is_stale(judged_at)) << "a call that waits for its connection";
   EXPECT_EQ(gate.stale_call().name, "stale_request");
   EXPECT_FALSE(gate.is_stale(now));
+  EXPECT_EQ(refusal(call("axis.move_to", fresh())), "call");
+}
+
+TEST_F(MqttGate, RefusesWhatWaitedWhileTheComputerSlept) {
+  const auto message = call("axis.move_to", fresh());
+  slept += 1h;
+  EXPECT_EQ(refusal(message), "stale_nonce");
   EXPECT_EQ(refusal(call("axis.move_to", fresh())), "call");
 }
 

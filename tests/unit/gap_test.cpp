@@ -10,14 +10,16 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
+constexpr tmcl::Duration awake{};
+
 TEST(Gaps, AreLongerThanASecond) {
   Gaps gaps;
   const auto begin = tmcl::TimePoint(seconds(100));
-  gaps.look(begin);
-  gaps.look(begin + seconds(1));
+  gaps.look(begin, awake);
+  gaps.look(begin + seconds(1), awake);
   EXPECT_FALSE(gaps.is_in_gap());
   EXPECT_LT(gaps.last_stale(), 1U);
-  gaps.look(begin + seconds(2) + milliseconds(1));
+  gaps.look(begin + seconds(2) + milliseconds(1), awake);
   EXPECT_TRUE(gaps.is_in_gap());
   EXPECT_GE(gaps.last_stale(), 1'000U);
   gaps.end(7);
@@ -29,8 +31,21 @@ TEST(Gaps, AreLongerThanASecond) {
 
 TEST(Gaps, DoNotBeginBeforeTheFirstLook) {
   Gaps gaps;
-  gaps.look(tmcl::TimePoint(std::chrono::hours(1)));
+  gaps.look(tmcl::TimePoint(std::chrono::hours(1)), awake);
   EXPECT_FALSE(gaps.is_in_gap());
+}
+
+TEST(Gaps, AreSleepOfTheComputer) {
+  Gaps gaps;
+  const auto begin = tmcl::TimePoint(seconds(100));
+  constexpr tmcl::Duration before = std::chrono::hours(7);
+  gaps.look(begin, before);
+  EXPECT_FALSE(gaps.is_in_gap());
+  gaps.look(begin + milliseconds(200), before + milliseconds(800));
+  EXPECT_FALSE(gaps.is_in_gap());
+  gaps.look(begin + milliseconds(400), before + seconds(2));
+  EXPECT_TRUE(gaps.is_in_gap());
+  EXPECT_EQ(gaps.duration(), milliseconds(1'400));
 }
 
 class Gap : public testing::Test {
@@ -61,6 +76,14 @@ TEST_F(Gap, MakesStaleWhatComesInRightBehindIt) {
   EXPECT_EQ(refused.error().outcome, tmcl::Outcome::not_sent);
   EXPECT_THAT(refused.error().message, testing::HasSubstr("stood still for 2."));
   EXPECT_EQ(movements(), 0U);
+}
+
+TEST_F(Gap, IsTheSleepOfTheComputer) {
+  gateway.let_computer_sleep(std::chrono::hours(1));
+  EXPECT_EQ(name_of_error(gateway.call("axis.move_to", move(100))), "stale_request");
+  EXPECT_EQ(movements(), 0U);
+  gateway.time.run_for(milliseconds(300));
+  EXPECT_TRUE(gateway.call("axis.move_to", move(100)));
 }
 
 TEST_F(Gap, IsOverWhenThatHasBeenTakenIn) {

@@ -13,6 +13,7 @@
 
 #include "api/dispatch.hpp"
 #include "api/subscriptions.hpp"
+#include "async/slept.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "unit/daemon_fixture.hpp"
 
@@ -68,6 +69,11 @@ class VirtualGateway {
   std::shared_ptr<Gateway> gateway_;
 
  public:
+  /// As a computer does: the time stays as it is.
+  void let_computer_sleep(tmcl::Duration duration) {
+    boost::asio::use_service<VirtualSleep>(context_).slept += duration;
+  }
+
   tmcl::VirtualTime time{context_};
   FakeWire wire;
 };

@@ -1,4 +1,5 @@
-/// Whether the reactor has stood still: its process was stopped, or had more to do than it could.
+/// Whether the reactor has stood still: its process was stopped, had more to do than it could, or
+/// the computer slept.
 /// What was asked for before the end of such a gap is stale: it may not be wanted any
 /// more, so it moves nothing.
 ///
@@ -27,11 +28,13 @@ class Gaps {
   static constexpr tmcl::Duration look_interval = std::chrono::milliseconds(200);
   static constexpr tmcl::Duration time_to_take_in = std::chrono::milliseconds(20);
 
-  /// The reactor turns.
-  void look(tmcl::TimePoint now) {
+  /// The reactor turns. `slept`: how long the computer has slept until now, which is no part of
+  /// the time that `now` counts.
+  void look(tmcl::TimePoint now, tmcl::Duration slept) {
     const bool is_first = looked_ == tmcl::TimePoint{};
-    const auto passed = now - looked_;
+    const auto passed = (now - looked_) + (slept - slept_);
     looked_ = now;
+    slept_ = slept;
     if (is_first || passed <= longest_gap) return;
     is_in_gap_ = true;
     duration_ = passed;
@@ -59,6 +62,7 @@ class Gaps {
 
  private:
   tmcl::TimePoint looked_{};
+  tmcl::Duration slept_{};
   tmcl::TimePoint ended_{};
   tmcl::Duration duration_{};
   bool is_in_gap_ = false;

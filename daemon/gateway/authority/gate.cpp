@@ -167,6 +167,7 @@ std::optional<tmcl::Error> Gate::last_objection(const tmcl::step::Exchange& exch
                                                 const RunOptions& options,
                                                 bool& has_changed) const {
   const auto& request = exchange.request;
+  look_for_gap();
   const auto it = judge(request, options.permit);
   if (it.verdict.ruling == Ruling::refuse) return motors_.refusal(it.motor, it.verdict.because);
   const bool is_limited = keeps_limits(exchange, options.permit);

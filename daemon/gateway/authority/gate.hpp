@@ -153,6 +153,8 @@ class Gate {
   void tell_paid(const tmcl::Request& stop);
 
   Motors::Judgement judge(const tmcl::Request& request, Permit permit) const;
+  /// The reactor may have stood still since the last look.
+  void look_for_gap() const;
   /// What stands in the way may have ended.
   Script<void> ask_about(Motors::Judgement it);
   Script<void> see_end_of_line(tmcl::AxisAddress motor);

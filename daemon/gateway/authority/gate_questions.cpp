@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "async/slept.hpp"
 #include "gateway/authority/search_questions.hpp"
 #include "gateway/bus.hpp"
 #include "tmcl/command_type.hpp"
@@ -26,10 +27,14 @@ Motors::Judgement Gate::judge(const tmcl::Request& request, Permit permit) const
   return motors_.judge(request, permit, bus_.clock().now(), owes_stop(request.address));
 }
 
+void Gate::look_for_gap() const {
+  motors_.arrivals()->gaps.look(bus_.clock().now(), slept(bus_.executor()));
+}
+
 Gate::Script<void> Gate::may_send(tmcl::Request request, Permit permit, Asks asks) {
   std::optional<Motors::Judgement> asked;
   while (true) {
-    motors_.arrivals()->gaps.look(bus_.clock().now());
+    look_for_gap();
     const auto it = judge(request, permit);
     if (it.verdict.ruling == Ruling::allow) co_return tmcl::Result<void>{};
     // What was asked about, and has not ended, refuses.

@@ -8,6 +8,7 @@
 #include <boost/asio/use_awaitable.hpp>
 
 #include "async/rest.hpp"
+#include "async/slept.hpp"
 #include "async/spawn.hpp"
 #include "gateway/standing_stop.hpp"
 
@@ -129,7 +130,8 @@ awaitable<void> DriveRun::answer(Drive& drive, DriveCommand command) {
 
 // Before the drive judges what it has read: after a gap its axes are where it did not expect them.
 void DriveRun::notice_stops(Drive& drive) const {
-  members_.front().axis->bus().motors().arrivals()->gaps.look(now());
+  const auto& bus = members_.front().axis->bus();
+  bus.motors().arrivals()->gaps.look(now(), slept(bus.executor()));
   for (std::size_t i = 0; i < members_.size(); ++i) {
     auto stop = members_[i].movement.objection();
     if (!stop || (stop->code == tmcl::Errc::stale_request && runs_by_itself())) continue;

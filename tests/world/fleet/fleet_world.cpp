@@ -84,9 +84,13 @@ std::int32_t value_in(const std::string& payload) {
   if (error || !value.is_object()) return 0;
   const auto* params = object_in(value.get_object(), "params");
   if (params == nullptr) return 0;
-  for (const auto* name : {"position_microsteps", "velocity_internal", "value"})
-    if (const auto* given = params->if_contains(name); given != nullptr && given->is_int64())
+  for (const auto* name :
+       {"position_microsteps", "velocity_internal", "value", "positions_microsteps"}) {
+    const auto* given = params->if_contains(name);
+    if (given != nullptr && given->is_array()) given = given->get_array().if_contains(0);
+    if (given != nullptr && given->is_int64())
       return static_cast<std::int32_t>(std::abs(given->get_int64()));
+  }
   return 0;
 }
 
@@ -290,6 +294,11 @@ FleetCall FleetWorld::call_of(const FleetUser& user, const std::string& method,
   if (nonce) call.nonce = nonce->text;
   if (nonce) call.nonce_came = nonce->came;
   call.is_fit = nonce.has_value();
+  if (method == "line.move") {
+    call.axes = {"a", "c"};
+    params = {{"axes", {"a", "c"}}, {"positions_microsteps", {call.value, call.value}}};
+    return call;
+  }
   params["axis"] = axis;
   if (method == "parameter.set") {
     params["parameter"] = ap::target_position;
@@ -314,9 +323,13 @@ awaitable<void> FleetWorld::move(std::shared_ptr<FleetUser> user, Random& random
   const auto nonce = user->take_nonce();
   if (!nonce) co_return;
   const bool sets = user->name() == "ben" && random.one_in(3);
+  const bool is_line = !sets && random.one_in(4);
   json::object params;
-  auto call =
-      call_of(*user, sets ? "parameter.set" : "axis.move_to", any_axis(random), nonce, params);
+  auto call = call_of(*user,
+                      sets      ? "parameter.set"
+                      : is_line ? "line.move"
+                                : "axis.move_to",
+                      any_axis(random), nonce, params);
   const auto method = call.method;
   Form form;
   form.qos = random.one_in(3) ? 1 : 0;
@@ -504,13 +517,12 @@ void FleetWorld::do_carelessly(FleetUser& user, Random& random) {
       user.publish("axis.rotate", user.with_epoch_and_nonce(params, nonce ? nonce->text : ""));
       return;
     }
-    case 5: {  // A stop that stays.
+    case 5: {  // A stop that stays: that of all for ever, and a gateway stops when it connects.
       note_action("retained stop");
       stop_noted_ = now();
-      user.publish({.topic = std::string("tmcl/v1/") + FleetUser::gateway + "/stop",
-                    .payload = "{}",
-                    .retained = true,
-                    .qos = 1});
+      const std::string of = random.one_in(4) ? "all" : FleetUser::gateway;
+      user.publish(
+          {.topic = "tmcl/v1/" + of + "/stop", .payload = "{}", .retained = true, .qos = 1});
       return;
     }
     default: {  // One nonce for two calls at once: one of them is carried out.
@@ -676,7 +688,7 @@ void FleetWorld::break_something(Random& random) {
   const auto note = [&](const std::string& what) { note_fault(what, time); };
   constexpr std::int64_t first_of_users = 4;
   constexpr std::int64_t first_of_programs = 7;
-  const auto kind = random.between(0, 15);
+  const auto kind = random.between(0, 16);
   if (kind < first_of_users) return break_line(kind, is_of_calls, time, random);
   if (kind < first_of_programs) return break_user(kind, user, time, random);
   switch (kind) {
@@ -710,6 +722,15 @@ void FleetWorld::break_something(Random& random) {
       note(is_bridge ? "the bridge will stand still at a call"
                      : "tmcld will stand still at a call");
       freeze_at_call_ = [this, &program, turns, time] { programs_.freeze(program, turns, time); };
+      return;
+    }
+    case 15: {  // Likewise.
+      note("the computer will sleep at a call");
+      const auto turns_of_gateway = static_cast<int>(random.between(0, 12));
+      freeze_at_call_ = [this, turns, turns_of_gateway, long_time = time + seconds(5)] {
+        programs_.freeze(bridge_program_, turns, long_time, true);
+        programs_.freeze(gateway_program_, turns_of_gateway, long_time, true);
+      };
       return;
     }
     default:

@@ -1,16 +1,17 @@
-// tmcld stands still with a call in it, at each of its steps: what has not gone out by then moves
-// nothing when it goes on, from whatever way the call has come.
+// tmcld stands still with a call in it, or its computer sleeps, at each of its steps: what has not
+// gone out by then moves nothing when it goes on.
 #include <gmock/gmock.h>
 
 #include <memory>
 #include <ostream>
 #include <string>
-#include <vector>
+#include <tuple>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 
+#include "async/slept.hpp"
 #include "config/load.hpp"
 #include "gateway/gateway.hpp"
 #include "tmcl/virtual_time.hpp"
@@ -23,8 +24,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr tmcl::Duration freeze = milliseconds(5'400);
+constexpr tmcl::Duration time_to_stand = milliseconds(5'400);
 constexpr int most_turns = 2'000;
+
+enum class Still : std::uint8_t { program_is_stopped, computer_sleeps };
 
 struct FrozenCall {
   const char* name;
@@ -41,7 +44,7 @@ class FrozenScene {
     wire_.bench().add(*tmcl::find_model("TMCM-3110"), tmcl::ModuleAddress{1});
     wire_.on_request = [this](const tmcl::Request& request) {
       for (std::uint8_t motor = 0; motor < 3; ++motor)
-        if (Ledger::moves(request, motor)) moved_.push_back(time_.now());
+        if (Ledger::moves(request, motor)) ++moved_;
     };
     GatewayOptions options;
     options.open_link = [this](const BusConfig&) { return wire_.open(); };
@@ -80,9 +83,13 @@ class FrozenScene {
     context_.restart();
     if (context_.poll_one() == 0) time_.step();
   }
-  void stand_still() {
-    time_.freeze_for(freeze);
-    went_on_ = time_.now();
+  void stand_still(Still how) {
+    if (how == Still::computer_sleeps) {
+      boost::asio::use_service<VirtualSleep>(context_).slept += time_to_stand;
+    } else {
+      time_.freeze_for(time_to_stand);
+    }
+    moved_before_ = moved_;
     time_.run_for(milliseconds(8'000));
   }
   bool has_answered() { return !answer().empty(); }
@@ -90,11 +97,8 @@ class FrozenScene {
     if (answer_.empty()) answer_ = relay_->next_answer().value_or("");
     return answer_;
   }
-  std::size_t moved() const { return moved_.size(); }
-  std::size_t moved_afterwards() const {
-    return static_cast<std::size_t>(
-        std::ranges::count_if(moved_, [this](tmcl::TimePoint at) { return at >= went_on_; }));
-  }
+  int moved() const { return moved_; }
+  int moved_afterwards() const { return moved_ - moved_before_; }
 
  private:
   static Config config() {
@@ -123,30 +127,30 @@ motor = 1
   Wire wire_{context_, "line", tmcl::Framing::serial, 1, {}, trace_};
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<RelaySession> relay_;
-  std::vector<tmcl::TimePoint> moved_;
-  tmcl::TimePoint went_on_{};
+  int moved_ = 0;
+  int moved_before_ = 0;
   std::string answer_;
 };
 
-class FrozenWithACall : public testing::TestWithParam<FrozenCall> {};
+class FrozenWithACall : public testing::TestWithParam<std::tuple<Still, FrozenCall>> {};
 
 TEST_P(FrozenWithACall, MovesNothingAfterwards) {
+  const auto& [how, call] = GetParam();
   int turns = 0;
   for (bool is_done = false; !is_done && turns < most_turns; ++turns) {
     FrozenScene scene;
-    scene.call(GetParam());
+    scene.call(call);
     for (int turn = 0; turn < turns; ++turn) scene.turn();
     is_done = scene.has_answered();
     if (is_done) {
-      EXPECT_GT(scene.moved(), 0U) << scene.answer();
+      EXPECT_GT(scene.moved(), 0) << scene.answer();
       break;
     }
-    scene.stand_still();
-    ASSERT_EQ(scene.moved_afterwards(), 0U)
+    scene.stand_still(how);
+    ASSERT_EQ(scene.moved_afterwards(), 0)
         << "it stood still after " << turns << " turns; then: " << scene.answer();
   }
   ASSERT_LT(turns, most_turns);
-  std::cout << GetParam().name << ": " << turns << " turns\n";
 }
 
 constexpr FrozenCall frozen_calls[] = {
@@ -160,8 +164,16 @@ constexpr FrozenCall frozen_calls[] = {
     {"Home", "axis.start_home", R"({"axis":"x"})"},
 };
 
-INSTANTIATE_TEST_SUITE_P(Calls, FrozenWithACall, testing::ValuesIn(frozen_calls),
-                         [](const auto& call) { return std::string(call.param.name); });
+INSTANTIATE_TEST_SUITE_P(Calls, FrozenWithACall,
+                         testing::Combine(testing::Values(Still::program_is_stopped,
+                                                          Still::computer_sleeps),
+                                          testing::ValuesIn(frozen_calls)),
+                         [](const auto& one) {
+                           const auto how = std::get<Still>(one.param);
+                           return std::string(std::get<FrozenCall>(one.param).name) +
+                                  (how == Still::computer_sleeps ? "AndTheComputerSleeps"
+                                                                 : "AndTmcldStandsStill");
+                         });
 
 }  // namespace
 }  // namespace tmcld::test

@@ -8,6 +8,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "async/slept.hpp"
 #include "tmcl/virtual_time.hpp"
 
 namespace tmcld::test {
@@ -17,6 +18,7 @@ class ProgramInTime {
  public:
   boost::asio::io_context context{1};
   tmcl::VirtualTime time{context};
+  tmcld::VirtualSleep& sleep = boost::asio::use_service<tmcld::VirtualSleep>(context);
 
   bool is_frozen() const { return frozen_until_.has_value(); }
   /// How long it stood still until now, altogether.
@@ -124,6 +126,7 @@ class ProgramsInTime {
       if (program->is_frozen()) program->frozen_ += passed;
       if (program->is_frozen() && program->clock_stands_) {
         program->behind_ = now_ - program->time.now();
+        program->sleep.slept = program->behind_;
       } else if (now_ - program->behind_ > program->time.now()) {
         program->time.freeze_for(now_ - program->behind_ - program->time.now());
       }

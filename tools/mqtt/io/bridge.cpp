@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "async/rest.hpp"
+#include "async/slept.hpp"
 #include "async/spawn.hpp"
 #include "log/log.hpp"
 #include "tmcl/api/system.hpp"
@@ -156,7 +157,7 @@ void Bridge::stop() {
 awaitable<void> Bridge::look(std::shared_ptr<Bridge> self) {
   while (!self->stopping_) {
     const auto now = self->now();
-    self->gate_.look(now);
+    self->gate_.look(now, tmcld::slept(self->executor_));
     self->users_->end_silent_ones(now);
     if (self->calls_.broker) {
       self->add_due_news(now);
@@ -404,6 +405,7 @@ void Bridge::flush(Line& line) {
 void Bridge::take(Line& line, const Message& message) {
   if (stopping_) return;
   const auto now = this->now();
+  gate_.look(now, tmcld::slept(executor_));
   auto judged = gate_.judge(message, now);
   if (std::holds_alternative<BirthSeen>(judged.is)) births_.see(message);
   if (home_) home_->take(message, now);

@@ -109,8 +109,8 @@ void Gate::begin_epoch() {
   nonces_.forget();
 }
 
-void Gate::look(tmcl::TimePoint now) {
-  gaps_.look(now);
+void Gate::look(tmcl::TimePoint now, tmcl::Duration slept) {
+  gaps_.look(now, slept);
   if (!gaps_.is_in_gap()) return;
   gaps_.end(0);
   nonces_.forget();
@@ -127,7 +127,6 @@ Error Gate::stale_call() const {
 }
 
 Judged Gate::judge(const Message& message, tmcl::TimePoint now) {
-  look(now);
   const auto topic = topics_.read(message.topic);
   if (!topic) return {};
   if (std::holds_alternative<BirthTopic>(*topic)) return {BirthSeen{}};

@@ -84,12 +84,13 @@ class Gate {
     methods_ = std::move(methods);
   }
   /// The reactor turns; to be said often, and before messages are judged. After a gap what waited
-  /// is refused.
-  void look(tmcl::TimePoint now);
+  /// is refused. `slept`: how long the computer has slept until now.
+  void look(tmcl::TimePoint now, tmcl::Duration slept);
   /// Of a call that was judged then.
   bool is_stale(tmcl::TimePoint judged) const { return gaps_.is_stale(judged); }
   Error stale_call() const;
 
+  /// When it has looked.
   Judged judge(const Message& message, tmcl::TimePoint now);
   std::string give_nonce(std::string_view user, tmcl::TimePoint now) {
     return nonces_.give(user, now);
