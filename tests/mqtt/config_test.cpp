@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "broker/password_file.hpp"
 #include "support/temp_path.hpp"
 
 namespace tmclmqtt {
@@ -92,6 +93,80 @@ TEST(MqttConfig, HasTheDialectsOffUntilTheyAreNamed) {
               HasSubstr("Home Assistant takes only"));
 }
 
+TEST(MqttConfig, SignsInWithAUserAndTheFileOfItsPassword) {
+  EXPECT_EQ(parse_mqtt_config(least).value().user, "");
+  const auto config =
+      parse_mqtt_config(least + "user = \"plant:hall 1\"\npassword_file = \"/run/p\"\n").value();
+  EXPECT_EQ(config.user, "plant:hall 1");
+  EXPECT_EQ(config.password_file, "/run/p");
+  // As of a broker that takes what vouches for a user for its name.
+  EXPECT_EQ(parse_mqtt_config(least + "user = \"a\"\n").value().password_file, "");
+  EXPECT_THAT(problem_of("password_file = \"/run/p\""), HasSubstr("'password_file' needs 'user'"));
+  EXPECT_THAT(problem_of("user = \"a\"\npassword_file = \"\""), HasSubstr("must be a path"));
+  EXPECT_THAT(problem_of("password = \"secret\""), HasSubstr("unknown key 'password' in [mqtt]"));
+  EXPECT_THAT(problem_of("user = 7"), HasSubstr("'user' must be a text"));
+  for (const auto& wrong : {std::string(), std::string("a\\u0000b"), std::string("a\\nb"),
+                            std::string("a\\u007fb"), std::string(257, 'u')})
+    EXPECT_THAT(problem_of("user = \"" + wrong + '"'), HasSubstr("'user' must be the name"));
+}
+
+class PasswordFile : public testing::Test {
+ protected:
+  PasswordFile() : path_(tmcl::test::temp_path("password")) { write("secret\n"); }
+  ~PasswordFile() override { std::filesystem::remove(path_); }
+
+  void write(const std::string& text) const {
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << text;
+    let_others(std::filesystem::perms::none);
+  }
+  void let_others(std::filesystem::perms more) const {
+    using std::filesystem::perms;
+    std::filesystem::permissions(path_, perms::owner_read | perms::group_read | more);
+  }
+  std::string read() const {
+    const auto password = password_in(path_);
+    return password ? *password : "refused: " + password.error();
+  }
+
+  std::string path_;
+};
+
+TEST_F(PasswordFile, HasThePasswordInItsFirstLine) {
+  const std::string longest(4096, 'p');
+  const std::pair<std::string, std::string> right[]{
+      {"secret", "secret"}, {"secret\r\nmore\n", "secret"}, {" a b \n", " a b "},
+      {"\xff\n", "\xff"},   {longest + '\n', longest},      {longest + "\r\n", longest}};
+  for (const auto& [text, password] : right) {
+    write(text);
+    EXPECT_EQ(read(), password);
+  }
+  for (const auto& wrong :
+       {std::string(), std::string("\n"), std::string("\r\nsecret"), std::string("a\0b\n", 4),
+        std::string(4097, 'p'), std::string(100'000, 'p')}) {
+    write(wrong);
+    EXPECT_THAT(read(), HasSubstr(path_ + ": its first line must be the password"));
+  }
+}
+
+TEST_F(PasswordFile, IsReadOnlyIfOthersMayNotOpenIt) {
+  using std::filesystem::perms;
+  EXPECT_EQ(read(), "secret");
+  for (const auto more : {perms::others_read, perms::others_write, perms::others_exec}) {
+    let_others(more);
+    EXPECT_THAT(read(), HasSubstr("try `chmod o-rwx " + path_ + "`"));
+  }
+  let_others(perms::none);
+  EXPECT_EQ(read(), "secret");
+}
+
+TEST_F(PasswordFile, IsNamedWhereItCannotBeRead) {
+  std::filesystem::remove(path_);
+  EXPECT_THAT(read(), HasSubstr(path_ + ": cannot be read: No such file"));
+  const auto folder = password_in(testing::TempDir());
+  ASSERT_FALSE(folder);
+  EXPECT_THAT(folder.error(), HasSubstr("cannot be read: Is a directory"));
+}
+
 TEST(MqttConfig, IsInFilesThatCanBeRead) {
   const auto path = tmcl::test::temp_path("mqtt.toml");
   std::ofstream(path) << least << "ca = \"/nowhere/ca.pem\"\n";
@@ -100,6 +175,10 @@ TEST(MqttConfig, IsInFilesThatCanBeRead) {
   ASSERT_FALSE(config);
   EXPECT_THAT(config.error().front(), HasSubstr("'ca' of [mqtt]: /nowhere/ca.pem cannot be read"));
   EXPECT_THAT(load_mqtt_config(path).error().front(), HasSubstr(path));
+  std::ofstream(path) << least << "user = \"a\"\npassword_file = \"/nowhere/password\"\n";
+  EXPECT_THAT(load_mqtt_config(path).error().front(),
+              HasSubstr("'password_file' of [mqtt]: /nowhere/password: cannot be read"));
+  std::filesystem::remove(path);
 }
 
 }  // namespace

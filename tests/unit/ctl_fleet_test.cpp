@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <sys/stat.h>
 
 #include <boost/json.hpp>
 
@@ -12,6 +16,7 @@
 #include "fleet/stop_round.hpp"
 #include "support/random.hpp"
 #include "support/seed.hpp"
+#include "support/temp_path.hpp"
 
 namespace tmclctl::test {
 namespace {
@@ -75,6 +80,15 @@ TEST(CtlFleetPlace, NamesWhatIsWrong) {
             "bad_certificate");
   EXPECT_EQ(find_broker({.url = "mqtts://a@c", .password_file = "/none"}).error().name,
             "cannot_read");
+  const auto password = tmcl::test::temp_path("password");
+  std::ofstream(password) << "secret\n";
+  EXPECT_EQ(::chmod(password.c_str(), 0640), 0);
+  EXPECT_EQ(find_broker({.url = "mqtts://a@c", .password_file = password})->password, "secret");
+  EXPECT_EQ(::chmod(password.c_str(), 0644), 0);
+  const auto readable = find_broker({.url = "mqtts://a@c", .password_file = password});
+  ASSERT_FALSE(readable);
+  EXPECT_THAT(readable.error().message, HasSubstr("chmod o-rwx " + password));
+  std::filesystem::remove(password);
 }
 
 // ---- gateways ----

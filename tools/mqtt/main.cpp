@@ -82,7 +82,9 @@ int serve(const MqttConfig& config) {
     context.stop();
   });
   if (config.ca.empty())
-    tmcld::log(LogLevel::warning, "without 'ca' what goes to the broker is not encrypted");
+    tmcld::log(LogLevel::warning,
+               fmt::format("without 'ca' what goes to the broker{} is not encrypted",
+                           config.password_file.empty() ? "" : ", the password too,"));
   bridge->start();
   service->ready("gateway " + config.gateway);
   context.run();

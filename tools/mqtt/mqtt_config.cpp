@@ -8,6 +8,7 @@
 
 #include <unistd.h>
 
+#include "broker/password_file.hpp"
 #include "config/files.hpp"
 #include "config/section_kind.hpp"
 #include "protocol/home_assistant.hpp"
@@ -24,6 +25,7 @@ using tmcld::Section;
 
 constexpr std::uint16_t plain_port = 1883;
 constexpr std::uint16_t tls_port = 8883;
+constexpr std::size_t longest_user_name = 256;
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
 struct MqttSection : Section {
@@ -37,6 +39,9 @@ struct MqttSection : Section {
   TMCL_KEY(Said<std::string>, certificate,
            "file of the certificate that the gateway shows the broker, in PEM");
   TMCL_KEY(Said<std::string>, key, "file of the key of the certificate, in PEM");
+  TMCL_KEY(Said<std::string>, user, "user name at the broker, where that asks for a password");
+  TMCL_KEY(Said<std::string>, password_file,
+           "file whose first line is the password of 'user'; others must not read it");
   TMCL_KEY(Said<std::chrono::milliseconds>, nonce_ttl_ms,
            "how long before a call the nonce may have been given out that it brings", {200, 60000});
   TMCL_KEY(Said<std::string>, log_level, "error, warning, info or debug");
@@ -60,6 +65,7 @@ class MqttDraft {
 
   void add(const MqttSection& section) {
     add_tls(section);
+    add_user(section);
     add_broker(section.broker);
     if (section.gateway && !is_gateway_name(*section.gateway)) {
       complain(
@@ -98,6 +104,7 @@ class MqttDraft {
     if (section.certificate && !section.ca)
       complain(section.certificate, "'certificate' needs 'ca': without it there is no TLS");
   }
+  void add_user(const MqttSection& section);
   void add_broker(const Said<std::string>& broker);
   void add_sparkplug(const MqttSection& section);
   void add_home_assistant(const MqttSection& section);
@@ -115,6 +122,20 @@ class MqttDraft {
 
   tmcl::TextProblems& problems_;
 };
+
+void MqttDraft::add_user(const MqttSection& section) {
+  take(section.user, config.user);
+  take(section.password_file, config.password_file);
+  const auto& user = section.user;
+  const auto is_control = [](unsigned char c) { return c < ' ' || c == '\x7f'; };
+  if (user &&
+      (user->empty() || user->size() > longest_user_name || std::ranges::any_of(*user, is_control)))
+    complain(user, "'user' must be the name of a user of the broker, of 1 to 256 bytes");
+  if (section.password_file && section.password_file->empty())
+    complain(section.password_file, "'password_file' must be a path");
+  if (section.password_file && !user)
+    complain(section.password_file, "'password_file' needs 'user', whose password it has");
+}
 
 void MqttDraft::add_broker(const Said<std::string>& broker) {
   if (!broker) return;
@@ -187,8 +208,8 @@ tl::expected<MqttConfig, tmcl::TextProblems> built(const MqttText& text, bool is
   return tl::unexpected(std::move(problems));
 }
 
-/// The library that uses them says of a file that is not there only that something is invalid.
-std::vector<std::string> problems_of_pem_files(const MqttConfig& config) {
+/// Of a PEM file that is not there the library that uses it says only that something is invalid.
+std::vector<std::string> problems_of_files(const MqttConfig& config) {
   std::vector<std::string> problems;
   const std::array<std::pair<std::string_view, std::string>, 3> files{
       std::pair{"ca", config.ca}, {"certificate", config.certificate}, {"key", config.key}};
@@ -196,6 +217,9 @@ std::vector<std::string> problems_of_pem_files(const MqttConfig& config) {
     if (path.empty() || ::access(path.c_str(), R_OK) == 0) continue;
     problems.push_back(quoted(name) + " of [mqtt]: " + path + " cannot be read");
   }
+  if (config.password_file.empty()) return problems;
+  if (const auto password = password_in(config.password_file); !password)
+    problems.push_back("'password_file' of [mqtt]: " + password.error());
   return problems;
 }
 
@@ -219,7 +243,7 @@ tl::expected<MqttConfig, std::vector<std::string>> load_mqtt_config(const std::s
   for (const auto& file : *files) tmcld::read_sections(file.text, file.path, mqtt_kinds, read);
   const auto config = built(text, read.is_toml, std::move(problems), path);
   std::vector<std::string> lines;
-  if (config) lines = problems_of_pem_files(*config);
+  if (config) lines = problems_of_files(*config);
   if (config && lines.empty()) return *config;
   if (!config)
     for (const auto& problem : config.error()) lines.push_back(describe(problem));

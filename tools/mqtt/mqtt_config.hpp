@@ -23,6 +23,9 @@ struct MqttConfig {
   std::string ca{};
   std::string certificate{};
   std::string key{};
+  /// What the broker calls it, and the path of a file; empty: a certificate says who it is.
+  std::string user{};
+  std::string password_file{};
   std::chrono::milliseconds nonce_ttl{2000};
   tmcld::LogLevel log_level = tmcld::LogLevel::info;
   /// Levels of topics; empty: without Sparkplug, and its births wait for no host.

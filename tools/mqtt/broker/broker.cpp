@@ -124,7 +124,9 @@ class MosquittoBroker final : public Broker, public std::enable_shared_from_this
   static awaitable<void> write(std::shared_ptr<MosquittoBroker> self);
   static awaitable<void> keep_house(std::shared_ptr<MosquittoBroker> self);
 
+  std::string sign_in();
   std::string text_of(int error) const;
+  std::string text_of_refusal(int reason) const;
   void note(int error);
   void lose(std::string why);
   void hand_out();
@@ -187,18 +189,13 @@ std::string MosquittoBroker::prepare() {
                                 options_.ca.empty() ? authorities_of_system : nullptr,
                                 file(options_.certificate), file(options_.key), nullptr);
   }
-  if (error == MOSQ_ERR_SUCCESS && !options_.user.empty()) {
-    error = ::mosquitto_username_pw_set(
-        client_, options_.user.c_str(),
-        options_.password.empty() ? nullptr : options_.password.c_str());
-  }
   if (error != MOSQ_ERR_SUCCESS) return "libmosquitto: " + std::string(::mosquitto_strerror(error));
   ::mosquitto_log_callback_set(client_, [](mosquitto*, void* self, int, const char* line) {
     if (auto why = tls_error_in(line); !why.empty()) of(self).tls_error_ = std::move(why);
   });
   ::mosquitto_connect_v5_callback_set(
       client_, [](mosquitto*, void* self, int reason, int, const mosquitto_property*) {
-        if (reason != 0) return of(self).lose(::mosquitto_reason_string(reason));
+        if (reason != 0) return of(self).lose(of(self).text_of_refusal(reason));
         of(self).is_let_in_ = true;
         of(self).changed_.notify();
       });
@@ -215,7 +212,19 @@ std::string MosquittoBroker::prepare() {
   return {};
 }
 
+/// Blocks. Gives what is wrong; empty if nothing is.
+std::string MosquittoBroker::sign_in() {
+  if (options_.user.empty()) return {};
+  tl::expected<std::string, std::string> password;
+  if (options_.password) password = options_.password();
+  if (!password) return std::move(password.error());
+  const int error = ::mosquitto_username_pw_set(client_, options_.user.c_str(),
+                                                password->empty() ? nullptr : password->c_str());
+  return error == MOSQ_ERR_SUCCESS ? std::string() : text_of(error);
+}
+
 std::string MosquittoBroker::connect() {
+  if (auto problem = sign_in(); !problem.empty()) return problem;
   Properties properties;
   properties.add_number(MQTT_PROP_MAXIMUM_PACKET_SIZE, options_.max_packet_bytes);
   const int error = ::mosquitto_connect_bind_v5(client_, options_.host.c_str(), options_.port,
@@ -289,6 +298,18 @@ std::string MosquittoBroker::text_of(int error) const {
   if (error == MOSQ_ERR_ERRNO) return std::strerror(errno);
   if (error == MOSQ_ERR_TLS && !tls_error_.empty()) return "TLS: " + tls_error_;
   return ::mosquitto_strerror(error);
+}
+
+/// Brokers say one of two things of a wrong password, of a user whom they do not know, and of a
+/// client that shows them nothing.
+std::string MosquittoBroker::text_of_refusal(int reason) const {
+  const std::string said = ::mosquitto_reason_string(reason);
+  if (reason != MQTT_RC_NOT_AUTHORIZED && reason != MQTT_RC_BAD_USERNAME_OR_PASSWORD) return said;
+  if (!options_.user.empty())
+    return said + ": does it know the user '" + options_.user + "', and is the password right?";
+  if (options_.certificate.empty())
+    return said + ": it wants a user name and a password, or a certificate";
+  return said + ": does it take the name in the certificate, or want a user name and a password?";
 }
 
 void MosquittoBroker::note(int error) {

@@ -30,7 +30,8 @@ struct BrokerOptions {
   std::string key{};
   /// For a broker that asks for them; empty: the certificate says who it is.
   std::string user{};
-  std::string password{};
+  /// Called on a thread of `workers`, at each connection anew. Errors: why there is none.
+  std::function<tl::expected<std::string, std::string>()> password{};
   std::optional<Publication> will{};
   std::uint32_t max_packet_bytes = tmclmqtt::max_packet_bytes;
   /// Within that a connection may come back without its will being published.

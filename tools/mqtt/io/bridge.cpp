@@ -9,6 +9,7 @@
 #include "async/rest.hpp"
 #include "async/slept.hpp"
 #include "async/spawn.hpp"
+#include "broker/password_file.hpp"
 #include "log/log.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/json_text.hpp"
@@ -78,6 +79,9 @@ BrokerOptions broker_options(const MqttConfig& config, std::string client_id) {
   options.ca = config.ca;
   options.certificate = config.certificate;
   options.key = config.key;
+  options.user = config.user;
+  if (!config.password_file.empty())
+    options.password = [path = config.password_file] { return password_in(path); };
   return options;
 }
 
@@ -287,7 +291,9 @@ awaitable<void> Bridge::serve_broker(std::shared_ptr<Bridge> self) {
     const auto began = self->now();
     const auto why = co_await self->use_broker();
     if (self->stopping_) break;
-    self->log_often(fmt::format("broker {}:{}: {}", self->config_.host, self->config_.port, why));
+    // Once: it is tried again for days.
+    if (std::exchange(self->broker_problem_, why) != why)
+      self->log_often(fmt::format("broker {}:{}: {}", self->config_.host, self->config_.port, why));
     co_await tmcld::rest(pauses.next(self->now() - began));
   }
 }
@@ -345,6 +351,7 @@ awaitable<tl::expected<void, std::string>> Bridge::connect(Line& line, std::stri
 
 void Bridge::begin_on_broker() {
   replaced_births_ = 0;
+  broker_problem_.clear();
   calls_.broker->subscribe({gate_.topics().all_calls(), 0});
   calls_.broker->subscribe({gate_.topics().all_wishes(), 0});
   calls_.broker->subscribe({gate_.topics().birth(), 0});

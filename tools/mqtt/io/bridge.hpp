@@ -113,7 +113,8 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   std::shared_ptr<SparkplugLink> sparkplug_;  ///< Null: not configured.
   std::optional<HomeAssistant> home_;         ///< None: not configured.
   tmcld::LogLimiter limiter_;
-  int replaced_births_ = 0;  ///< Since the connection to the broker is there.
+  std::string broker_problem_;  ///< The one logged last, since the connections were there last.
+  int replaced_births_ = 0;     ///< Since the connection to the broker is there.
   Stops waiting_stops_;
   int stops_in_progress_ = 0;
   bool connecting_ = false;

@@ -48,10 +48,11 @@ class BrokerLink final : public FleetLink {
     if (host_.signal() != 0)
       return tl::unexpected(
           interrupted_error(host_.signal(), "no connection to the broker yet", ""));
-    return tl::unexpected(Error{"broker_unreachable", ErrorKind::failed, tmcl::Outcome::not_sent,
-                                fmt::format("broker {}:{}: {}", place_.host, place_.port,
-                                            why_.empty() ? "no answer" : why_),
-                                "is the address right, and do --ca, --cert and --key fit?"});
+    return tl::unexpected(
+        Error{"broker_unreachable", ErrorKind::failed, tmcl::Outcome::not_sent,
+              fmt::format("broker {}:{}: {}", place_.host, place_.port,
+                          why_.empty() ? "no answer" : why_),
+              "is the address right, and do --ca, --cert, --key and --password-file fit?"});
   }
 
   const std::string& user() const override { return place_.user; }
@@ -89,7 +90,8 @@ class BrokerLink final : public FleetLink {
     options.certificate = typed.certificate_file;
     options.key = typed.key_file;
     if (place_.says_user) options.user = place_.user;
-    options.password = place_.password;
+    // It may have come from a pipe, which is read once.
+    options.password = [password = place_.password] { return password; };
     options.max_packet_bytes = max_packet_bytes;
     return options;
   }

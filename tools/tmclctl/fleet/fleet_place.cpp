@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "broker/password_file.hpp"
 #include "broker/topic_levels.hpp"
 #include "command_line/form.hpp"
-#include "command_line/input_file.hpp"
 
 namespace tmclctl {
 namespace {
@@ -68,15 +68,6 @@ bool read_host(std::string_view text, BrokerPlace& broker) {
   return !broker.host.empty() && broker.host.find('/') == std::string::npos;
 }
 
-Result<std::string> password_in(const std::string& path) {
-  if (path.empty()) return std::string();
-  constexpr std::size_t longest = 4096;
-  auto text = read_file(path, longest);
-  if (!text) return tl::unexpected(usage_error("cannot_read", path + ": " + text.error()));
-  text->erase(text->find_last_not_of("\r\n") + 1);
-  return std::move(*text);
-}
-
 Result<void> find_user(const FleetPlace& place, BrokerPlace& broker) {
   broker.says_user = !broker.user.empty();
   if (!broker.says_user && !place.certificate_file.empty()) {
@@ -119,8 +110,9 @@ Result<BrokerPlace> find_broker(const FleetPlace& place) {
         usage_error("bad_url", "--ca and --cert go with mqtts://: mqtt:// has no TLS"));
   if (auto found = find_user(place, broker); !found)
     return tl::unexpected(std::move(found.error()));
-  auto password = password_in(place.password_file);
-  if (!password) return tl::unexpected(std::move(password.error()));
+  if (place.password_file.empty()) return broker;
+  auto password = tmclmqtt::password_in(place.password_file);
+  if (!password) return tl::unexpected(usage_error("cannot_read", std::move(password.error())));
   broker.password = std::move(*password);
   return broker;
 }
