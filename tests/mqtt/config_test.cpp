@@ -5,8 +5,14 @@
 
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "broker/address.hpp"
 #include "broker/password_file.hpp"
+#include "broker/random_text.hpp"
+#include "protocol/topics.hpp"
+#include "support/random.hpp"
+#include "support/seed.hpp"
 #include "support/temp_path.hpp"
 
 namespace tmclmqtt {
@@ -46,8 +52,68 @@ TEST(MqttConfig, NamesBrokersByHostAndPort) {
   EXPECT_EQ(at("b.example", "ca = \"c\"\n"), "b.example 8883");
   EXPECT_EQ(at("[::1]:99"), "::1 99");
   EXPECT_EQ(at("[::1]"), "::1 1883");
-  for (const auto* wrong : {"", ":1", "b:", "b:0", "b:65536", "b:1x", "mqtt://b:1"})
+  for (const auto* wrong : {"", ":1", "b:0", "::1", "mqtt://b:1"})
     EXPECT_THAT(at(wrong), HasSubstr("'broker'")) << wrong;
+}
+
+TEST(BrokerAddress, IsAHostAndAPort) {
+  using A = BrokerAddress;
+  const std::pair<const char*, A> right[]{{"b", {"b", 7}},
+                                          {"b.example:1", {"b.example", 1}},
+                                          {"127.0.0.1:65535", {"127.0.0.1", 65535}},
+                                          {"[::1]", {"::1", 7}},
+                                          {"[::1]:01883", {"::1", 1883}},
+                                          {"[fe80::1%eth0]:99", {"fe80::1%eth0", 99}},
+                                          {"b\xc3\xbcro", {"b\xc3\xbcro", 7}}};
+  for (const auto& [text, address] : right) EXPECT_EQ(read_address(text, 7), address) << text;
+  for (const auto* wrong :
+       {"",         ":",       ":1",      "b:",      "b:0",    "b:65536", "b:99999999999999999999",
+        "b:-1",     "b:+1",    "b: 1",    "b:1 ",    "b:1x",   "b:0x10",  "b:1:2",
+        "::1",      "fe80::1", "[::1",    "::1]",    "[]",     "[]:1",    "[b]:1",
+        "[::1]1",   "[::1]:",  "[::1]:0", "[[::1]]", "a[::1]", "[:: 1]",  " b",
+        "b ",       "a b:1",   "a\tb",    "a\nb",    "a\x7f",  "a/b",     "a@b",
+        "mqtt://b", "b?x",     "b#x",     "[::1]]:1"})
+    EXPECT_FALSE(read_address(wrong, 7)) << wrong;
+  EXPECT_FALSE(read_address(std::string_view("b\0c", 3), 7));
+}
+
+/// What it takes is written again in one way only; any text is fine.
+TEST(BrokerAddress, IsReadBackFromWhatItSays) {
+  const auto seed = tmcl::test::seed();
+  tmcl::test::Random<int> random(seed);
+  constexpr std::string_view letters = "ab.:[]0123 /@9";
+  int taken = 0;
+  for (int round = 0; round < 20'000; ++round) {
+    std::string text;
+    for (int left = random.between(0, 12); left > 0; --left)
+      text += letters[static_cast<std::size_t>(random.between(0, int(letters.size()) - 1))];
+    const auto address = read_address(text, 1);
+    if (!address) continue;
+    ++taken;
+    const bool has_colon = address->host.find(':') != std::string::npos;
+    const auto host = has_colon ? '[' + address->host + ']' : address->host;
+    const auto again = host + ':' + std::to_string(address->port);
+    EXPECT_EQ(read_address(again, 2), address) << "seed " << seed << ": " << text;
+    EXPECT_TRUE(text.starts_with(host)) << "seed " << seed << ": " << text;
+  }
+  EXPECT_GT(taken, 200) << "seed " << seed;
+}
+
+TEST(ReplyTopic, IsThatOfAUserAGatewayAndAProcess) {
+  EXPECT_EQ(reply_topic("anna", "hall-1", "id"), "tmcl/v1/reply/anna/hall-1/id");
+  EXPECT_EQ(Topics("hall-1").reply(reply_topic("anna", level_of_all, "id"), std::nullopt),
+            reply_topic("anna", "hall-1", "id"));
+  EXPECT_EQ(Topics("hall-1").reply(reply_topic("anna", any_level, "id"), "anna"), std::nullopt);
+}
+
+TEST(RandomText, IsALevelThatIsNeverDrawnTwice) {
+  std::set<std::string> drawn;
+  for (int i = 0; i < 1000; ++i) {
+    const auto text = random_text();
+    EXPECT_TRUE(is_level(text)) << text;
+    EXPECT_EQ(text.size(), 32U);
+    EXPECT_TRUE(drawn.insert(text).second) << text;
+  }
 }
 
 TEST(MqttConfig, NamesTheKeyThatIsWrong) {

@@ -1,13 +1,9 @@
 // tmcld-mqtt: see command_line.cpp for what it says of itself.
-#include <sys/random.h>
-
-#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +12,7 @@
 #include <boost/asio/signal_set.hpp>
 
 #include "async/workers.hpp"
+#include "broker/random_text.hpp"
 #include "command_line.hpp"
 #include "io/bridge.hpp"
 #include "log/log.hpp"
@@ -43,16 +40,6 @@ int say_config(const MqttConfig& config) {
               int{config.port}, config.ca.empty() ? ", without TLS" : "", group.c_str(),
               config.home_assistant ? ", for Home Assistant" : "");
   return ok;
-}
-
-std::string random_text() {
-  constexpr std::size_t bytes = 16;
-  std::array<unsigned char, bytes> drawn{};
-  if (::getrandom(drawn.data(), drawn.size(), 0) != static_cast<ssize_t>(drawn.size()))
-    throw std::runtime_error("the system gives no random numbers");
-  std::string text;
-  for (const auto byte : drawn) text += fmt::format("{:02x}", byte);
-  return text;
 }
 
 int serve(const MqttConfig& config) {

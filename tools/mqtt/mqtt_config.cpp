@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <utility>
 
 #include <unistd.h>
 
+#include "broker/address.hpp"
 #include "broker/password_file.hpp"
 #include "config/files.hpp"
 #include "config/section_kind.hpp"
@@ -23,8 +23,6 @@ using tmcld::Needed;
 using tmcld::Said;
 using tmcld::Section;
 
-constexpr std::uint16_t plain_port = 1883;
-constexpr std::uint16_t tls_port = 8883;
 constexpr std::size_t longest_user_name = 256;
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
 
@@ -139,24 +137,15 @@ void MqttDraft::add_user(const MqttSection& section) {
 
 void MqttDraft::add_broker(const Said<std::string>& broker) {
   if (!broker) return;
-  config.port = config.ca.empty() ? plain_port : tls_port;
-  // Of an IPv6 address in brackets only what is behind them is a port.
-  const auto bracket = broker->rfind(']');
-  const auto colon = broker->rfind(':');
-  const bool has_port = colon != broker->npos && (bracket == broker->npos || colon > bracket);
-  config.host = has_port ? broker->substr(0, colon) : *broker;
-  if (config.host.size() > 2 && config.host.front() == '[' && config.host.back() == ']')
-    config.host = config.host.substr(1, config.host.size() - 2);
-  bool is_right = !config.host.empty() && config.host.find('/') == config.host.npos;
-  if (has_port) {
-    const auto* end = broker->data() + broker->size();
-    const auto read = std::from_chars(broker->data() + colon + 1, end, config.port);
-    is_right = is_right && read.ec == std::errc() && read.ptr == end && config.port != 0;
-  }
-  if (!is_right)
+  auto address = read_address(*broker, config.ca.empty() ? plain_port : tls_port);
+  if (!address) {
     complain(broker, "'broker' is " + quoted(*broker) +
                          ", but must be HOST or HOST:PORT, such as "
-                         "broker.example:8883");
+                         "broker.example:8883 or [2001:db8::1]:8883");
+    return;
+  }
+  config.host = std::move(address->host);
+  config.port = address->port;
 }
 
 void MqttDraft::add_sparkplug(const MqttSection& section) {

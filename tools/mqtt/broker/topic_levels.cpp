@@ -2,6 +2,12 @@
 
 namespace tmclmqtt {
 
+std::string reply_topic(std::string_view user, std::string_view gateway, std::string_view id) {
+  std::string topic(reply_root);
+  topic.append(user).append("/").append(gateway).append("/").append(id);
+  return topic;
+}
+
 bool is_level(std::string_view text) {
   constexpr std::string_view known =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.@";

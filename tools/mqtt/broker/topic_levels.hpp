@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -11,8 +12,16 @@ namespace tmclmqtt {
 constexpr std::string_view topic_root = "tmcl/v1/";
 /// In place of a gateway: for all of them.
 constexpr std::string_view level_of_all = "all";
+/// In place of a level, in what is subscribed to.
+constexpr std::string_view any_level = "+";
+/// Answers to the users are below it.
+constexpr std::string_view reply_root = "tmcl/v1/reply/";
 /// Of a gateway, of a user, of a method: a level of a topic.
 constexpr std::size_t max_level_bytes = 64;
+
+/// Where the answers go that `gateway` gives a process of `user`, `id`; all three are levels.
+/// `gateway` is level_of_all in what all gateways are asked, any_level in what is subscribed to.
+std::string reply_topic(std::string_view user, std::string_view gateway, std::string_view id);
 
 /// 1 to 64 letters, digits, '_', '-', '.', '@': no wildcard, no '/', nothing that a certificate
 /// cannot name.

@@ -5,8 +5,6 @@
 namespace tmclmqtt {
 namespace {
 
-constexpr std::string_view reply_root = "tmcl/v1/reply/";
-
 std::optional<Topic> call_topic(std::string_view role, std::string_view user,
                                 std::string_view method) {
   const auto known = std::ranges::find(tmcld::role_names, role);

@@ -1,6 +1,3 @@
-#include <sys/random.h>
-
-#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,7 +6,7 @@
 #include "async/spawn.hpp"
 #include "async/workers.hpp"
 #include "broker/broker.hpp"
-#include "broker/topic_levels.hpp"
+#include "broker/random_text.hpp"
 #include "fleet/fleet_link.hpp"
 
 namespace tmclctl {
@@ -23,17 +20,10 @@ constexpr tmcl::Duration connecting_takes_at_most = std::chrono::seconds(10);
 // An answer of tmcld has 1 MB at most.
 constexpr std::uint32_t max_packet_bytes = 1'200'000;
 
-std::string random_id() {
-  std::array<unsigned char, 8> drawn{};
-  // It makes two processes of one user distinct, and is no secret.
-  if (::getrandom(drawn.data(), drawn.size(), 0) < 0) drawn = {};
-  return fmt::format("{:02x}", fmt::join(drawn, ""));
-}
-
 class BrokerLink final : public FleetLink {
  public:
   BrokerLink(BrokerPlace place, Host& host)
-      : place_(std::move(place)), host_(host), id_("tmclctl-" + random_id()) {}
+      : place_(std::move(place)), host_(host), id_("tmclctl-" + tmclmqtt::random_text()) {}
   ~BrokerLink() override {
     if (broker_) broker_->disconnect();
     context_.poll();

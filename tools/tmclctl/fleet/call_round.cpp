@@ -50,7 +50,7 @@ CallRound::CallRound(Caller caller, std::vector<FleetCall> calls, OnAnswer on_an
 }
 
 std::string CallRound::filter() const {
-  return fmt::format("{}reply/{}/+/{}", tmclmqtt::topic_root, caller_.user, caller_.id);
+  return tmclmqtt::reply_topic(caller_.user, tmclmqtt::any_level, caller_.id);
 }
 
 std::string CallRound::correlation(std::size_t index) const {
@@ -71,8 +71,7 @@ tmclmqtt::Publication CallRound::publication(std::size_t index) const {
                   caller_.user, entry.step == Step::called ? call.method : "nonce");
   publication.payload = tmcl::json_text(said);
   publication.expiry_s = expiry_s;
-  publication.response_topic =
-      fmt::format("{}reply/{}/{}/{}", tmclmqtt::topic_root, caller_.user, call.gateway, caller_.id);
+  publication.response_topic = tmclmqtt::reply_topic(caller_.user, call.gateway, caller_.id);
   publication.correlation = correlation(index);
   return publication;
 }

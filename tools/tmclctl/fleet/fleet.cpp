@@ -32,8 +32,7 @@ Result<void> Fleet::learn(const std::function<void(const tmclmqtt::Message&)>& o
                           const std::function<void()>& meanwhile) {
   // A broker hands out what it keeps before what is published later on the same connection. The
   // topic is one of answers, which a user may write to as if a gateway had its name.
-  const auto marker =
-      fmt::format("{}reply/{}/{}/{}", tmclmqtt::topic_root, link.user(), link.user(), link.id());
+  const auto marker = tmclmqtt::reply_topic(link.user(), link.user(), link.id());
   bool has_come = false;
   on_message = [&](const tmclmqtt::Message& message) {
     has_come = has_come || message.topic == marker;

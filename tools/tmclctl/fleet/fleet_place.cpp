@@ -4,21 +4,19 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
 #include <fmt/format.h>
 
+#include "broker/address.hpp"
 #include "broker/password_file.hpp"
 #include "broker/topic_levels.hpp"
-#include "command_line/form.hpp"
 
 namespace tmclctl {
 namespace {
-
-constexpr std::uint16_t plain_port = 1883;
-constexpr std::uint16_t tls_port = 8883;
 
 Error bad_url(const std::string& url) {
   return usage_error("bad_url", fmt::format("'{}' names no broker", url),
@@ -47,25 +45,6 @@ Result<std::string> name_in_certificate(const std::string& path) {
 std::optional<std::string> taken_after(std::string& text, std::string_view scheme) {
   if (!text.starts_with(scheme)) return std::nullopt;
   return text.substr(scheme.size());
-}
-
-/// HOST, HOST:PORT or [ADDRESS]:PORT.
-bool read_host(std::string_view text, BrokerPlace& broker) {
-  const auto bracket = text.rfind(']');
-  const auto colon = text.rfind(':');
-  const bool has_port =
-      colon != std::string_view::npos && (bracket == std::string_view::npos || colon > bracket);
-  auto host = text.substr(0, has_port ? colon : std::string_view::npos);
-  if (host.size() > 2 && host.front() == '[' && host.back() == ']')
-    host = host.substr(1, host.size() - 2);
-  broker.host = host;
-  broker.port = broker.tls ? tls_port : plain_port;
-  if (has_port) {
-    const auto port = parse_number<std::uint16_t>(text.substr(colon + 1), 1);
-    if (!port) return false;
-    broker.port = *port;
-  }
-  return !broker.host.empty() && broker.host.find('/') == std::string::npos;
 }
 
 Result<void> find_user(const FleetPlace& place, BrokerPlace& broker) {
@@ -104,7 +83,11 @@ Result<BrokerPlace> find_broker(const FleetPlace& place) {
     broker.user = rest.substr(0, at);
     rest.erase(0, at + 1);
   }
-  if (!read_host(rest, broker)) return tl::unexpected(bad_url(place.url));
+  auto address =
+      tmclmqtt::read_address(rest, broker.tls ? tmclmqtt::tls_port : tmclmqtt::plain_port);
+  if (!address) return tl::unexpected(bad_url(place.url));
+  broker.host = std::move(address->host);
+  broker.port = address->port;
   if (!broker.tls && !(place.ca_file.empty() && place.certificate_file.empty()))
     return tl::unexpected(
         usage_error("bad_url", "--ca and --cert go with mqtts://: mqtt:// has no TLS"));

@@ -21,14 +21,14 @@ std::string message_in(const json::object& error) {
 }  // namespace
 
 std::string StopRound::filter() const {
-  return fmt::format("{}reply/{}/+/{}", tmclmqtt::topic_root, user_, id_);
+  return tmclmqtt::reply_topic(user_, tmclmqtt::any_level, id_);
 }
 
 tmclmqtt::Publication StopRound::stop_on(const std::string& level) const {
   tmclmqtt::Publication stop;
   stop.topic = fmt::format("{}{}/stop", tmclmqtt::topic_root, level);
   stop.payload = "{}";
-  stop.response_topic = fmt::format("{}reply/{}/{}/{}", tmclmqtt::topic_root, user_, level, id_);
+  stop.response_topic = tmclmqtt::reply_topic(user_, level, id_);
   return stop;
 }
 
@@ -49,11 +49,11 @@ std::vector<tmclmqtt::Publication> StopRound::due(tmcl::TimePoint now) {
 }
 
 std::string StopRound::hear(const tmclmqtt::Message& message) {
-  const auto root = fmt::format("{}reply/{}/", tmclmqtt::topic_root, user_);
-  if (!message.topic.starts_with(root)) return {};
-  const auto levels = tmclmqtt::levels_of(std::string_view(message.topic).substr(root.size()));
-  if (levels.size() != 2 || levels[1] != id_ || !tmclmqtt::is_gateway_name(levels[0])) return {};
-  const std::string name(levels[0]);
+  if (!message.topic.starts_with(tmclmqtt::reply_root)) return {};
+  const auto levels = tmclmqtt::levels_of(message.topic);
+  const std::string name(levels[levels.size() - 2]);
+  if (!tmclmqtt::is_gateway_name(name) || message.topic != tmclmqtt::reply_topic(user_, name, id_))
+    return {};
   if (!gateways_.is_meant(name)) return {};
   const auto answer = object_in(message.payload);
   auto& heard = heard_[name];
