@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -46,7 +47,10 @@ Error gateway_away(const std::string& gateway, tmcl::Outcome outcome) {
 
 CallRound::CallRound(Caller caller, std::vector<FleetCall> calls, OnAnswer on_answer)
     : caller_(std::move(caller)), on_answer_(std::move(on_answer)), left_(calls.size()) {
-  for (auto& call : calls) entries_.push_back({std::move(call)});
+  for (auto& call : calls) {
+    of_gateways_[call.gateway].entries.push_back(entries_.size());
+    entries_.push_back({std::move(call)});
+  }
 }
 
 std::string CallRound::filter() const {
@@ -85,7 +89,7 @@ std::vector<tmclmqtt::Publication> CallRound::due(tmcl::TimePoint now) {
       if (now >= entry.deadline) end(entry, tl::unexpected(no_answer(entry)));
       continue;
     }
-    auto& in_progress = in_progress_[entry.call.gateway];
+    auto& in_progress = of_gateways_[entry.call.gateway].in_progress;
     if (in_progress >= most_of_a_gateway || now < entry.not_before) continue;
     ++in_progress;
     entry.step = entry.call.acts && !entry.permit ? Step::asks_nonce : Step::called;
@@ -126,13 +130,13 @@ void CallRound::take(Entry& entry, const json::object& answer, tmcl::TimePoint n
 }
 
 void CallRound::wait(Entry& entry, tmcl::TimePoint until) {
-  --in_progress_[entry.call.gateway];
+  --of_gateways_[entry.call.gateway].in_progress;
   entry.step = Step::waits;
   entry.not_before = until;
 }
 
 void CallRound::end(Entry& entry, const Result<json::object>& result) {
-  if (entry.step != Step::waits) --in_progress_[entry.call.gateway];
+  if (entry.step != Step::waits) --of_gateways_[entry.call.gateway].in_progress;
   entry.step = Step::done;
   --left_;
   on_answer_(entry.call, result);
@@ -153,8 +157,11 @@ Error CallRound::no_answer(const Entry& entry) const {
 }
 
 void CallRound::give_up(const std::string& gateway) {
-  for (auto& entry : entries_) {
-    if (entry.step == Step::done || entry.call.gateway != gateway) continue;
+  const auto found = of_gateways_.find(gateway);
+  if (found == of_gateways_.end()) return;
+  for (const auto index : std::exchange(found->second.entries, {})) {
+    auto& entry = entries_[index];
+    if (entry.step == Step::done) continue;
     end(entry, tl::unexpected(gateway_away(gateway, outcome_without_answer(entry))));
   }
 }

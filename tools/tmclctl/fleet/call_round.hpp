@@ -50,7 +50,7 @@ class CallRound {
   std::vector<tmclmqtt::Publication> due(tmcl::TimePoint now);
   /// Whether it was an answer that is waited for.
   bool hear(const tmclmqtt::Message& message, tmcl::TimePoint now);
-  /// That gateway is not there any more: its calls are not waited for.
+  /// That gateway is not there any more: its calls are not waited for. Cheap when it is repeated.
   void give_up(const std::string& gateway);
   bool is_done() const { return left_ == 0; }
 
@@ -66,6 +66,11 @@ class CallRound {
     std::optional<boost::json::object> permit{};  ///< Epoch and nonce.
   };
 
+  struct OfGateway {
+    std::vector<std::size_t> entries{};  ///< None once it was given up.
+    int in_progress = 0;
+  };
+
   std::string correlation(std::size_t index) const;
   tmclmqtt::Publication publication(std::size_t index) const;
   void end(Entry& entry, const Result<boost::json::object>& result);
@@ -78,7 +83,7 @@ class CallRound {
   Caller caller_;
   std::vector<Entry> entries_;
   OnAnswer on_answer_;
-  std::map<std::string, int> in_progress_;  ///< By gateway.
+  std::map<std::string, OfGateway> of_gateways_;  ///< By name.
   std::size_t left_;
 };
 
