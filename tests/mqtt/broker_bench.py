@@ -179,20 +179,28 @@ def name_of_error(answer):
 
 
 class Listener:
-    """Everything on some topics, as an observer hears it."""
+    """Everything on some topics, from its construction on."""
 
     def __init__(self, user, *topics):
-        words = ["mosquitto_sub", *as_user(user), "-F", "%r %t %p"]
+        # What -d adds begins with a word.
+        words = ["stdbuf", "-oL", "mosquitto_sub", *as_user(user), "-d", "-F", "%r %t %p"]
         for topic in topics:
             words += ["-t", topic]
         self.process = start(*words)
         self.heard = queue.Queue()
         self.latest = {}
+        self.is_subscribed = threading.Event()
         threading.Thread(target=self.read, daemon=True).start()
+        assert self.is_subscribed.wait(PATIENCE_S), f"{user} is not subscribed within {PATIENCE_S} s"
 
     def read(self):
         for line in self.process.stdout:
-            retained, topic, text = line.decode().rstrip("\n").split(" ", 2)
+            line = line.decode().rstrip("\n")
+            if line.startswith("Subscribed "):
+                self.is_subscribed.set()
+            if not line.startswith(("0 ", "1 ")):
+                continue
+            retained, topic, text = line.split(" ", 2)
             said = json.loads(text) if text else None
             self.latest[topic] = said
             self.heard.put((retained == "1", topic, said))
@@ -227,7 +235,6 @@ class Listener:
 def send(user, topic, text, to, *more):
     """The answer to what mosquitto_rr cannot ask. `to`: a gateway, or all."""
     listener = Listener(user, f"tmcl/v1/reply/{user}/#")
-    time.sleep(1)  # until its subscription is there
     mark = str(time.monotonic_ns())
     publish(user, topic, text, *more, "-D", "publish", "response-topic", f"tmcl/v1/reply/{user}/{to}/{mark}")
     answer = listener.next(f"the answer to {topic}", lambda _, where, __: where == f"tmcl/v1/reply/{user}/{GATEWAY}/{mark}")

@@ -5,14 +5,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <utility>
 
 #include <sys/stat.h>
 
 #include <boost/json.hpp>
 
+#include "ctl_fixture.hpp"
 #include "fleet/call_round.hpp"
 #include "fleet/fleet_picture.hpp"
 #include "fleet/fleet_place.hpp"
+#include "fleet/fleet_verbs.hpp"
 #include "fleet/stop_round.hpp"
 #include "support/random.hpp"
 #include "support/seed.hpp"
@@ -419,6 +423,81 @@ TEST_F(CtlStopRound, HearsNoForeignAcknowledgement) {
                               R"({"result":{"stopped":{"axis":"x"}}})"})
     round->hear(message("tmcl/v1/reply/anna/a/id7", payload));
   EXPECT_FALSE(round->is_done());
+}
+
+// ---- the verb ----
+
+/// A broker with the gateway lab, whose module is off; time passes only while it is listened to.
+class LinkToLab final : public FleetLink {
+ public:
+  explicit LinkToLab(FakeHost& host) : host_(host) {}
+
+  const std::string& user() const override { return user_; }
+  const std::string& id() const override { return id_; }
+  void subscribe(const std::string& filter) override {
+    if (filter == Gateways::filter) coming_.push_back(birth("lab", R"("x","y")"));
+  }
+  void publish(const Publication& publication) override {
+    if (publication.topic.ends_with("/stop")) {
+      ++stops;
+      coming_.push_back(message(
+          "tmcl/v1/reply/anna/lab/id7",
+          R"({"result":{"stopped":[],"failed":[{"axis":"x","error":{"message":"no reply"}}]}})"));
+    } else {
+      coming_.push_back(message(publication.topic, publication.payload));
+    }
+  }
+  Result<void> listen(tmcl::Duration at_most) override {
+    host_.sleep(at_most);
+    for (const auto& one : std::exchange(coming_, {})) on_message_(one);
+    return {};
+  }
+  void on_message(OnMessage on_message) override { on_message_ = std::move(on_message); }
+
+  int stops = 0;
+
+ private:
+  FakeHost& host_;
+  std::string user_ = "anna";
+  std::string id_ = "id7";
+  OnMessage on_message_;
+  std::vector<Message> coming_;
+};
+
+struct CtlFleetStop : testing::Test {
+  Result<ExitCode> stop_all() {
+    Output output{out, err, {}, {}};
+    Fleet fleet(link, {}, output, host);
+    return run_in_fleet(verb::Stop{.axis = {}, .all = true}, fleet);
+  }
+  double seconds() const {
+    return std::chrono::duration<double>(host.now() - FakeHost().now()).count();
+  }
+
+  FakeHost host;
+  LinkToLab link{host};
+  std::ostringstream out;
+  std::ostringstream err;
+};
+
+TEST_F(CtlFleetStop, NamesWhatIsNotAcknowledgedWithinTwentySeconds) {
+  const auto exit = stop_all();
+  ASSERT_TRUE(exit);
+  EXPECT_EQ(*exit, ExitCode::unknown);
+  EXPECT_NEAR(seconds(), 20, 0.1);
+  EXPECT_NEAR(link.stops, 200, 20);
+  EXPECT_THAT(err.str(), HasSubstr("lab x: NOT stopped: no reply"));
+  EXPECT_THAT(err.str(), HasSubstr("lab y: NOT stopped: no answer"));
+}
+
+TEST_F(CtlFleetStop, NamesItAlsoWhenItIsInterrupted) {
+  host.catch_signals();
+  host.press_ctrl_c_after(ms(3000));
+  const auto exit = stop_all();
+  ASSERT_FALSE(exit);
+  EXPECT_EQ(exit.error().kind, ErrorKind::interrupted);
+  EXPECT_NEAR(seconds(), 3, 0.1);
+  EXPECT_THAT(err.str(), HasSubstr("lab x: NOT stopped: no reply"));
 }
 
 // ---- the picture ----
