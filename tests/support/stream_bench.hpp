@@ -57,6 +57,7 @@ class StreamBench {
   std::optional<Shaping> shaping;
   double jerk = std::numeric_limits<double>::infinity();  ///< Along the path.
   std::map<std::uint8_t, StreamEncoder> encoders;         ///< Of axes; the module here has none.
+  double slow_clock = 0;  ///< By this part the module is slower than its units say.
   std::vector<DriveCommand> commands;
 
   /// In mm and seconds.
@@ -166,6 +167,8 @@ class StreamBench {
       const auto* row = find_parameter(axis_parameters(model_), parameter);
       return row != nullptr ? row->maximum : 0;
     };
+    made.units.velocity.value *= 1 + slow_clock;
+    made.units.acceleration.value *= (1 + slow_clock) * (1 + slow_clock);
     made.greatest_velocity = most(ap::target_velocity);
     made.greatest_acceleration = most(ap::max_acceleration);
     made.greatest_stop_velocity = most(20);
