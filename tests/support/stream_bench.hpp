@@ -18,6 +18,7 @@
 #include "sim/module/module.hpp"
 #include "support/no_events.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/plan/path_preparation.hpp"
 #include "tmcl/plan/rehearsal.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "tmcl/seconds.hpp"
@@ -60,7 +61,7 @@ class StreamBench {
   double slow_clock = 0;  ///< By this part the module is slower than its units say.
   std::vector<DriveCommand> commands;
 
-  /// In mm and seconds.
+  /// In mm and seconds; of that, legs leave the spare part.
   void limit(double velocity, double acceleration_limit) {
     limits_.axis[0] = limits_.axis[1] = limits_.axis[2] = {velocity, acceleration_limit};
     const auto pps = static_cast<std::int32_t>(velocity * microsteps_per_mm);
@@ -108,6 +109,15 @@ class StreamBench {
   PathStream& stream() { return *stream_; }
   TimePoint now() const { return clock_.now(); }
   const PathLimits& limits() const { return limits_; }
+  /// Of legs, as path_axis() has them.
+  PathLimits planned_limits() {
+    auto planned = limits_;
+    for (const auto axis : motors()) {
+      auto& velocity = planned.axis[axis].velocity;
+      velocity = planned_within(velocity, info(axis));
+    }
+    return planned;
+  }
   /// That was passed last.
   const Course& course() const { return *course_; }
   sim::Module& module() { return module_; }
@@ -147,7 +157,8 @@ class StreamBench {
  private:
   void plan(const path_file::Path& path) {
     limits_.jerk = jerk;
-    auto course = Course::of(path, limits_, std::numeric_limits<double>::infinity(), shaping);
+    auto course =
+        Course::of(path, planned_limits(), std::numeric_limits<double>::infinity(), shaping);
     EXPECT_TRUE(course) << course.error();
     course_ = std::move(*course);
   }
@@ -170,6 +181,7 @@ class StreamBench {
     made.units.velocity.value *= 1 + slow_clock;
     made.units.acceleration.value *= (1 + slow_clock) * (1 + slow_clock);
     made.greatest_velocity = most(ap::target_velocity);
+    made.greatest_velocity = fastest_within(limits_.axis[axis].velocity, made);
     made.greatest_acceleration = most(ap::max_acceleration);
     made.greatest_stop_velocity = most(20);
     if (made.twin) made.twin->set(settings(axis));

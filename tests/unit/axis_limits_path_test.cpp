@@ -45,6 +45,18 @@ TEST_F(LimitedPath, EndsWellByPositions) {
   expect_within();
 }
 
+// Legs are planned a little slower; axes that are behind are told up to the limit.
+TEST_F(LimitedPath, GoesNoFasterThanWhatWasAskedFor) {
+  constexpr auto asked = static_cast<std::int32_t>(12 * microsteps_per_mm);
+  for (const auto* mode : {"velocity", "segments", "position"}) {
+    client->result("path.run", order("G1 X4 Y20 F1400\nG1 X9 Y2\nG1 X0 Y0\n",
+                                     {{"mode", mode}, {"velocity", "12mm/s"}}));
+    const auto greatest = greatest_sent(Command::SAP, ap::max_velocity, own_velocity);
+    EXPECT_LE(greatest, asked) << mode;
+    EXPECT_GT(greatest, asked * 95 / 100) << mode;
+  }
+}
+
 TEST_F(LimitedPath, IsRefusedWhileASettingIsBeyondThem) {
   on_module([](Played& played) { return played.set(1, ap::max_velocity, own_velocity + 1000), 0; });
   const auto error = error_of(client->send("path.run", order(short_way)));

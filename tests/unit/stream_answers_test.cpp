@@ -62,7 +62,7 @@ TEST(Stream, ALongRoundTripIsNoTrackingError) {
   Bench bench;
   bench.limit(24, own_acceleration);
   bench.round_trip = milliseconds(10);
-  const auto course = Course::of(one_line(), bench.limits());
+  const auto course = Course::of(one_line(), bench.planned_limits());
   ASSERT_TRUE(course) << course.error();
   std::optional<TimePoint> begin;
   std::array<std::int32_t, 2> velocity{};

@@ -43,6 +43,8 @@ constexpr double deviation_in_tolerances = 20;
 /// Between these are all numbers of a request.
 constexpr double least_of_path = 1e-9;
 constexpr double most_of_path = 1e9;
+/// What part of a velocity legs leave to an axis that is behind: it catches up within its limit.
+constexpr double spare_velocity = 0.02;
 constexpr Duration longest_stream_period = std::chrono::seconds(1);
 
 /// Why a path is not run; nothing has moved.
@@ -121,10 +123,12 @@ struct PathAxis {
   PathChoice choice;
   StreamAxis stream;  ///< Without a twin, which position mode needs.
   std::optional<SoftLimits> limits;
-  UserScale scale;          ///< What the limits are in.
-  ValueRange range;         ///< Of positions, in microsteps.
-  double velocity = 0;      ///< What its parameters and the request allow, in the file's units.
-  double acceleration = 0;  ///< The same of acceleration.
+  UserScale scale;   ///< What the limits are in.
+  ValueRange range;  ///< Of positions, in microsteps.
+  /// What its parameters and the request allow, in the file's units; of legs without times, less by
+  /// the spare part.
+  double velocity = 0;
+  double acceleration = 0;  ///< What these allow of acceleration.
   double corner_jump = 0;   ///< What the configuration and the request allow; may be infinite.
   /// What the request allows along the path; infinite if nothing, or for an axis that goes along.
   double feed = 0;
@@ -136,6 +140,12 @@ struct PathAxis {
 /// cannot; a quantity that it cannot be measured in, by the name of the Errc.
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
                                const PathRequest& request);
+/// The greatest speed in its module's unit that is not beyond `velocity`, in units of the course,
+/// nor beyond its greatest; 1 at least, without which it would not move.
+std::int32_t fastest_within(double velocity, const StreamAxis& axis);
+/// With which legs are planned, in units of the course: what that speed leaves without its spare
+/// part.
+double planned_within(double velocity, const StreamAxis& axis);
 /// Whether a course that was planned for the one suits the other, wherever they stand.
 bool moves_alike(const PathAxis& one, const PathAxis& other);
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes);

@@ -198,8 +198,9 @@ void PositionRunner::aim(const Passage& passage, Load& load) const {
     speed_squared = std::max(0.0, speed_squared - 2 * deceleration * std::abs(way));
   }
   load.target = microsteps(load.axis, target);
-  load.vstop = std::max(least_vstop, in_units(axes_[load.axis], std::sqrt(speed_squared),
-                                              info.units.velocity, info.greatest_stop_velocity));
+  const auto most = std::min(info.greatest_stop_velocity, info.greatest_velocity);
+  load.vstop =
+      std::max(least_vstop, in_units(info, std::sqrt(speed_squared), info.units.velocity, most));
 }
 
 // How much faster than planned an axis must be, to be at the end of its leg in time. An axis that

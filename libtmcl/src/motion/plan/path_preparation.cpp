@@ -203,6 +203,13 @@ std::optional<PathObjection> lower(double& limit, const char* param,
       "out_of_range", fmt::format("'{}' is outside 1e-9..1e9", param), {}, {}, param, {}};
 }
 
+bool has_times(const path_file::Path& path) {
+  return std::ranges::any_of(path.elements, [](const auto& element) {
+    const auto* line = std::get_if<path_file::LineTo>(&element);
+    return line != nullptr && line->duration.has_value();
+  });
+}
+
 /// Whether an axis of the file is one that a feed is about.
 bool makes_length(const path_file::Path& path, const std::string& of_file) {
   const auto place = std::ranges::find(path.axes, of_file) - path.axes.begin();
@@ -274,7 +281,23 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   }
   if (auto objection = heed(source, request, facts, axis))
     return tl::unexpected(std::move(*objection));
+  axis.stream.greatest_velocity = fastest_within(axis.velocity, axis.stream);
+  if (!has_times(source.path)) axis.velocity = planned_within(axis.velocity, axis.stream);
   return axis;
+}
+
+std::int32_t fastest_within(double velocity, const StreamAxis& axis) {
+  constexpr double rounding = 1e-6;
+  const double most = velocity * std::abs(axis.microsteps_per_unit) / axis.units.velocity.value;
+  const double told = std::max(std::floor(most + rounding), 1.0);
+  return static_cast<std::int32_t>(std::min<double>(told, axis.greatest_velocity));
+}
+
+// A unit of speed may be greater than the spare part of a low limit.
+double planned_within(double velocity, const StreamAxis& axis) {
+  const double told = fastest_within(velocity, axis) * axis.units.velocity.value /
+                      std::abs(axis.microsteps_per_unit);
+  return (1 - spare_velocity) * std::min(velocity, told);
 }
 
 bool moves_alike(const PathAxis& one, const PathAxis& other) {
