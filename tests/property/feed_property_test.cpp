@@ -162,7 +162,7 @@ std::string describe(const Feeding& feeding) {
 
 // As far off as paths get that go as planned: see stream_property_test.cpp.
 double most_off_with_feed(const Feeding& feeding, const Seen& seen) {
-  const double by_mode = feeding.mode == StreamMode::velocity ? 0.12 : 0.2;
+  const double by_mode = feeding.mode == StreamMode::velocity ? 0.1 : 0.2;
   return std::max(by_mode, seen.late_turn);
 }
 
@@ -184,14 +184,17 @@ void judge(const Feeding& feeding, const Seen& seen) {
 TEST(Feed, StaysOnThePathWhateverIsAskedFor) {
   Random random(tmcl::test::seed());
   int turns = 0, holds = 0;
+  double greatest_part = 0;
   for (int round = 0; round < tmcl::test::rounds(150); ++round) {
     const auto feeding = random_feeding(random);
     SCOPED_TRACE("round " + std::to_string(round) + ": " + describe(feeding));
     const auto seen = Passing(random, feeding).run();
     judge(feeding, seen);
+    greatest_part = std::max(greatest_part, seen.farthest / most_off_with_feed(feeding, seen));
     turns += seen.turns, holds += seen.holds;
     if (HasFailure()) return;
   }
+  std::printf("off the path by %.3f of what is allowed, at most\n", greatest_part);
   EXPECT_GT(turns, 0);
   EXPECT_GT(holds, 0);
 }
