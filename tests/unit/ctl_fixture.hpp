@@ -22,6 +22,7 @@
 #include "tmcl/api/system.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/hex.hpp"
+#include "unit/ctl_host.hpp"
 #include "verbs/verbs.hpp"
 
 namespace tmclctl {
@@ -46,41 +47,6 @@ inline Error error_of(ExitCode exit, std::string name, std::string message, std:
 namespace tmclctl::test {
 
 namespace api = tmcl::api;
-
-/// Time passes only while someone sleeps. May be told to press Ctrl-C at some instant.
-class FakeHost final : public Host {
- public:
-  tmcl::TimePoint now() const override { return now_; }
-  tmcl::UtcTime utc() const override { return tmcl::UtcTime(now_.time_since_epoch()); }
-  void sleep(tmcl::Duration duration) override { now_ += std::max(duration, tmcl::Duration{}); }
-  void catch_signals() override { caught_ = true; }
-  int signal() const override { return caught_ && now_ >= ctrl_c_at_ ? SIGINT : 0; }
-  int take_signal() override {
-    const int number = signal();
-    if (number != 0) ctrl_c_at_ = tmcl::TimePoint::max();
-    return number;
-  }
-  void catch_pauses() override {}
-  bool pause_asked() const override { return false; }
-  std::optional<std::string> take_line() override {
-    if (lines.empty()) return std::nullopt;
-    auto line = lines.front();
-    lines.pop_front();
-    return line;
-  }
-  bool has_input_ended() const override { return lines.empty() && ctrl_c_at_ == never_; }
-
-  /// On standard input, which ends then, unless Ctrl-C is to come.
-  std::deque<std::string> lines;
-
-  void press_ctrl_c_after(tmcl::Duration duration) { ctrl_c_at_ = now_ + duration; }
-
- private:
-  tmcl::TimePoint now_{std::chrono::hours(1)};
-  static constexpr tmcl::TimePoint never_ = tmcl::TimePoint::max();
-  tmcl::TimePoint ctrl_c_at_ = never_;
-  bool caught_ = false;
-};
 
 /// What an axis with a unit tells beside what its module counts.
 struct UserReading {

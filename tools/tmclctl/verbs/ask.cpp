@@ -137,9 +137,14 @@ void tell(const verb::Ask& verb, const json::object& result, Context& context) {
   }
 }
 
+/// As the gateway finds it: "x_target" is "XTarget", too.
 bool is_called(const tmcl::api::parameter::Parameter& row, const std::string& name) {
-  return row.name == name || std::to_string(row.number) == name ||
-         std::ranges::count(row.aliases, name) != 0;
+  if (std::to_string(row.number) == name) return true;
+  tmcl::ParameterInfo names{};
+  names.name = row.name;
+  std::copy_n(row.aliases.begin(), std::min(row.aliases.size(), names.aliases.size()),
+              names.aliases.begin());
+  return find_parameter(std::span(&names, 1), name) != nullptr;
 }
 
 /// Modules refuse to store a parameter in the same words as one that they do not know.

@@ -332,7 +332,8 @@ Result<ExitCode> run(const verb::Plot& verb, Context& context) {
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
   if (auto opened = csv.open(verb.csv); !opened) return tl::unexpected(opened.error());
   Recorder recorder(verb, csv, context);
-  if (auto begun = recorder.begin(); !begun) return tl::unexpected(begun.error());
+  if (auto begun = recorder.begin(); !begun)
+    return tl::unexpected(interrupted_before_move(context).value_or(begun.error()));
   const bool starts_move = !verb.to.empty() || !verb.by.empty();
   const auto failure =
       starts_move ? record_move(verb, recorder, context) : record_as_it_is(verb, recorder, context);

@@ -1,0 +1,107 @@
+/// tmclctl without a process around it, on a gateway and simulated modules in the same process, in
+/// virtual time. What tells and what moves is that of tmcld: a verb and its method cannot differ.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/json.hpp>
+
+#include "command_line/tmclctl.hpp"
+#include "tmcl/command.hpp"
+#include "unit/ctl_host.hpp"
+
+namespace tmcl {
+struct Model;
+namespace sim {
+class Module;
+}
+}  // namespace tmcl
+
+namespace tmclctl::test {
+
+/// Of the bus "bench": a serial line.
+extern const std::string bench_of_ctl;
+/// Axis "x" is the motor of module 1, without a unit.
+extern const std::string plain_axis;
+/// The same, whose unit is a mm of 10240 microsteps.
+extern const std::string axis_in_mm;
+/// On that bus; `more` are further lines.
+std::string axis_section(const std::string& name, int address, int motor = 0,
+                         const std::string& more = {});
+
+/// On its serial lines are a TMCM-1110 with address 1, and what the test adds. It is opened by the
+/// first call: a verb that asks no gateway costs nothing.
+class CtlBench {
+  class World;
+  std::shared_ptr<World> world_;
+
+ public:
+  /// `toml`: sections of a configuration, without [daemon].
+  explicit CtlBench(std::string toml = plain_axis, const char* model = "TMCM-1110");
+  ~CtlBench();
+  CtlBench(const CtlBench&) = delete;
+  CtlBench& operator=(const CtlBench&) = delete;
+
+  FakeHost& host;
+  Gateway gateway;
+  Screen screen;  ///< Both streams'. A plain file, unless the test says otherwise.
+  std::string out;
+  std::string err;
+  std::vector<std::string> calls;  ///< "METHOD PARAMS" of all that tmclctl has made.
+
+  ExitCode run(const std::vector<std::string>& arguments);
+  /// Runs with --json and reads the one document.
+  boost::json::object json(std::vector<std::string> arguments, ExitCode expected = ExitCode::done);
+
+  /// Of the calls, those that more than observe.
+  std::vector<std::string> orders() const;
+  /// Of the calls, those of one method.
+  std::vector<std::string> calls_of(std::string_view method) const;
+
+  // ---- the modules
+  tmcl::sim::Module& module(std::uint8_t address = 1);
+  tmcl::sim::Module& add(const char* model, std::uint8_t address);
+  /// The model must outlive the bench.
+  tmcl::sim::Module& add(const tmcl::Model& model, std::uint8_t address);
+  /// A command over another line, at once; what it answers. Throws if the module refuses it.
+  std::int32_t execute(tmcl::Command command, std::uint8_t type, std::uint8_t motor,
+                       std::int32_t value, std::uint8_t address = 1);
+  /// Of an axis, the same way.
+  std::int32_t get(std::string_view parameter, std::uint8_t motor = 0, std::uint8_t address = 1);
+  void set(std::string_view parameter, std::int32_t value, std::uint8_t motor = 0,
+           std::uint8_t address = 1);
+  /// It stands, and counts from here.
+  void place(std::int32_t position, std::uint8_t motor = 0);
+
+  // ---- the gateway
+  /// Opens it, unless it is open.
+  void open();
+  /// The wires are cut, and new ones cannot be plugged in for this reason; empty: they can. Of one
+  /// bus, or of all.
+  void cut_wires(std::string why, const std::string& bus = {});
+  /// Serial lines that are opened from now on give back what is said on them.
+  void let_lines_echo();
+  /// Every call of the method ends with this error, as where its connection fails; nothing: as it
+  /// is.
+  void fail(std::string_view method, std::optional<Error> error);
+  /// The same for every call.
+  void fail_all(std::optional<Error> error) { fail("", std::move(error)); }
+  /// The connection is lost, and it is asked for so often in vain.
+  void lose_connection(int away_for);
+
+  // ---- others
+  void pass(tmcl::Duration duration) { host.sleep(duration); }
+  /// While tmclctl runs.
+  void after(tmcl::Duration duration, std::function<void()> event);
+  /// A call of another client, which waits for its end.
+  Result<boost::json::object> other(std::string_view method, boost::json::object params);
+  /// The same while tmclctl runs.
+  void other_after(tmcl::Duration duration, std::string_view method, boost::json::object params);
+};
+
+}  // namespace tmclctl::test
