@@ -14,8 +14,9 @@ using tmcl::client::Hearing;
 
 // Of one call that waits: shorter than any client waits for an answer.
 constexpr tmcl::Duration longest_wait_call = std::chrono::seconds(5);
-// The same where there is something to do meanwhile.
-constexpr tmcl::Duration short_wait_call = std::chrono::milliseconds(250);
+// The same where there is something to do meanwhile. A call sees that an axis stands short of its
+// goal after a second of standstill: a shorter one would never.
+constexpr tmcl::Duration short_wait_call = std::chrono::seconds(2);
 
 AxisReading reading_of(const api::axis::State& state, const Context& context) {
   return {state, context.host.now() - std::chrono::milliseconds(state.age_ms)};
