@@ -2,8 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "axis/axis_rows.hpp"
-#include "ctl_fixture.hpp"
+#include "sim/module/module.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {
@@ -15,29 +18,19 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
 
-class CtlWatch : public testing::Test, public Ctl {
+class CtlWatch : public testing::Test, public CtlBench {
  protected:
-  static api::Event event(const std::string& kind, const std::string& text) {
-    api::Event event;
-    event.kind = kind;
-    event.bus = "bench";
-    event.address = 1;
-    event.text = text;
-    return event;
-  }
-  static boost::json::object bus(const std::string& link, boost::json::value bit_rate, int requests,
-                                 int replies) {
-    const boost::json::object counters{{"requests", requests}, {"replies", replies},
-                                       {"timeouts", 3},        {"late_replies", 0},
-                                       {"garbage_bytes", 7},   {"surplus", 2}};
-    return {{"name", "bench"},
-            {"link", link},
-            {"state", "open"},
-            {"bit_rate", std::move(bit_rate)},
-            {"counters", counters}};
-  }
-  static boost::json::object list(boost::json::array buses) {
-    return {{"buses", std::move(buses)}};
+  explicit CtlWatch(const std::string& toml = plain_axis + axis_section("y", 1, 1))
+      : CtlBench(toml, "TMCM-3110") {}
+};
+
+/// Whose own questions leave most of the time of its bus.
+struct CtlBuses : CtlWatch {
+  CtlBuses() : CtlWatch(plain_axis) {}
+  /// In the row of the bus.
+  static double load(const std::string& text) {
+    const auto end = text.find(" %");
+    return std::stod(text.substr(text.rfind(' ', end - 1)));
   }
 };
 
@@ -49,12 +42,12 @@ TEST_F(CtlWatch, SeveralAxesAreWatchedAtOnce) {
 
 TEST_F(CtlWatch, ALineThatWouldBeTheSameIsLeftOut) {
   // A stop where it stands: only the count of stops grows.
-  target.stopped_at = host.now() + milliseconds(300);
+  other_after(milliseconds(300), "axis.stop", {{"axis", "x"}});
   EXPECT_EQ(run({"watch", "x", "--for", "1"}), ExitCode::done);
-  EXPECT_EQ(std::ranges::count(out, '\n'), 1);
-  target.stopped_at = host.now() + milliseconds(300);
+  EXPECT_EQ(std::ranges::count(out, '\n'), 1) << out;
+  other_after(milliseconds(300), "axis.stop", {{"axis", "x"}});
   EXPECT_EQ(run({"watch", "x", "--for", "1", "--json"}), ExitCode::done);
-  EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "documents have it";
+  EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "documents have it: " << out;
 }
 
 TEST_F(CtlWatch, AllIsEveryAxisThatTmcldHas) {
@@ -63,25 +56,23 @@ TEST_F(CtlWatch, AllIsEveryAxisThatTmcldHas) {
 }
 
 TEST_F(CtlWatch, FurtherParametersAreTold) {
-  target.values["load_value"] = 17;
-  EXPECT_EQ(run({"watch", "x", "--also", "load_value,actual_current", "--for", "1"}),
-            ExitCode::done);
-  EXPECT_THAT(out, HasSubstr("target 0  load_value 17  actual_current 0  at target\n"));
-  EXPECT_EQ(run({"watch", "x", "--also", "load_value", "--for", "1", "--json"}), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr(R"("samples":[{"parameter":"load_value","number":0,"value":17,)"));
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(run({"watch", "x", "--also", "load_value,max_current", "--for", "1"}), ExitCode::done);
+  EXPECT_THAT(out, ContainsRegex("target 0  load_value [0-9]+  max_current 255  at target\n"));
+  EXPECT_EQ(run({"watch", "x", "--also", "max_current", "--for", "1", "--json"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr(R"("samples":[{"parameter":"max_current","number":6,"value":255,)"));
 }
 
 TEST_F(CtlWatch, RowsAreWrittenAsTheyCome) {
-  target.values["load_value"] = 17;
-  target.move_to(1000);
-  EXPECT_EQ(run({"watch", "x", "y", "--also", "load_value", "--for", "1", "--csv", "-"}),
+  run({"move", "x", "100000"});
+  EXPECT_EQ(run({"watch", "x", "y", "--also", "max_current", "--for", "1", "--csv", "-"}),
             ExitCode::done);
   EXPECT_TRUE(out.starts_with("# tmclctl "));
-  EXPECT_THAT(out,
-              HasSubstr("\ntime_s,axis,position_microsteps,velocity_internal,position_in_unit,"
-                        "velocity_in_unit,load_value,load_value_in_unit,load_value_age_ms,utc\n"
-                        "0.000000,x,0,100,,,17,,5,1970"));
-  EXPECT_THAT(out, HasSubstr(",y,1000,0,,,17,,5,1970"));
+  EXPECT_THAT(
+      out, HasSubstr("\ntime_s,axis,position_microsteps,velocity_internal,position_in_unit,"
+                     "velocity_in_unit,max_current,max_current_in_unit,max_current_age_ms,utc\n"));
+  EXPECT_THAT(out, ContainsRegex("\n0.0[0-9]+,x,[0-9]+,[0-9]+,,,255,,-?[0-9]+,1970"));
+  EXPECT_THAT(out, ContainsRegex(",y,0,0,,,255,,-?[0-9]+,1970"));
   EXPECT_EQ(run({"watch", "x", "--json", "--csv", "-"}), ExitCode::usage);
   EXPECT_EQ(run({"watch", "x", "--csv", "/nowhere/at/all.csv"}), ExitCode::usage);
   EXPECT_EQ(out, "");
@@ -93,61 +84,58 @@ TEST_F(CtlWatch, EitherAxesOrAllAreNamed) {
 }
 
 TEST_F(CtlWatch, StaysWhileTmcldStartsAgain) {
-  target.losses = 1;
-  target.away_for = 5;
+  lose_connection(5);
   EXPECT_EQ(run({"watch", "x", "--for", "20"}), ExitCode::done);
   EXPECT_THAT(out, AllOf(HasSubstr("s  tmcld has gone\n"), HasSubstr("s  tmcld is there again\n")));
   EXPECT_EQ(err, "");
-  target.losses = 1;
-  target.away_for = 5;
+  lose_connection(5);
   EXPECT_EQ(run({"watch", "x", "--for", "20", "--json"}), ExitCode::done);
   EXPECT_THAT(out,
               AllOf(HasSubstr(R"("away":{"name":"daemon_lost")"), HasSubstr(R"("away":null)")));
 }
 
 TEST_F(CtlWatch, EndsWhileTmcldIsAwayAsWell) {
-  target.losses = 1;
-  target.away_for = 1'000'000;
+  lose_connection(1'000'000);
   EXPECT_EQ(run({"watch", "x", "--for", "20"}), ExitCode::done);
-  target.losses = 1;
+  lose_connection(1'000'000);
   host.press_ctrl_c_after(milliseconds(5500));
   EXPECT_EQ(run({"watch", "x"}), ExitCode::done);
 }
 
 TEST_F(CtlWatch, SaysWhatBecomesOfModulesAndLinks) {
-  target.events = {event("module_silent", "module 1 does not answer"), event("target_reached", "")};
+  run({"state", "x"});
+  after(milliseconds(300), [&] { module().power_off(); });
+  EXPECT_EQ(run({"watch", "x", "--for", "20"}), ExitCode::done);
+  EXPECT_THAT(out, ContainsRegex("s  bench: .*module 1 "));
+}
+
+TEST_F(CtlWatch, ThatAnAxisHasArrivedIsSeenInItsState) {
+  run({"arrivals", "1", "0", "--for", "0.1"});
+  run({"move", "x", "1000"});
   EXPECT_EQ(run({"watch", "x", "--for", "1"}), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr("s  bench: module 1 does not answer\n"));
-  EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "that it has arrived is seen in its state";
+  EXPECT_THAT(out, HasSubstr("at target\n"));
+  EXPECT_THAT(out, Not(HasSubstr("s  bench: ")));
 }
 
-TEST_F(CtlWatch, BusesTellTheLoadOfALine) {
+TEST_F(CtlBuses, TellTheLoadOfALine) {
+  EXPECT_EQ(run({"buses"}), ExitCode::done);
+  EXPECT_THAT(out, ContainsRegex("bench +serial:/dev/none@115200 +open +[0-9.]+ % +[0-9]+ +0 +0 +0 "
+                                 "+0 +[0-9]+"));
+  const auto idle = load(out);
   // 64 exchanges of 18 bytes in a second are 11,520 of 115,200 bits.
-  target.results = {list({bus("serial:/dev/ttyS0@115200", 115200, 100, 100)}),
-                    list({bus("serial:/dev/ttyS0@115200", 115200, 164, 164)})};
+  for (int i = 0; i < 64; ++i) {
+    other_after(milliseconds(10 * (i + 1)), "parameter.get",
+                {{"axis", "x"}, {"parameter", "max_current"}});
+  }
   EXPECT_EQ(run({"buses"}), ExitCode::done);
-  EXPECT_THAT(out, ContainsRegex("bench +serial:/dev/ttyS0@115200 +open +10.0 % +164 +3 +0 +7 +2"));
+  EXPECT_NEAR(load(out) - idle, 10, 0.5);
 }
 
-TEST_F(CtlWatch, BusesTellTheLoadOfAController) {
-  // A frame of seven bytes has 90 bits that up to 22 are stuffed into, and 13 more: 125. 400
-  // exchanges in a second are 100,000 of a million bits.
-  target.results = {list({bus("can:can0", 1'000'000, 100, 100)}),
-                    list({bus("can:can0", 1'000'000, 500, 500)})};
-  EXPECT_EQ(run({"buses"}), ExitCode::done);
-  EXPECT_THAT(out, ContainsRegex("bench +can:can0 +open +10.0 % +500"));
-}
-
-TEST_F(CtlWatch, BusesTellNoLoadThatNobodyKnows) {
-  target.result = list({bus("can:vcan0", nullptr, 1, 1)});
-  const auto document = json({"buses", "--for", "2"});
+TEST(CtlBusesOnCan, TellTheLoadOfAControllerWhereItsRateIsKnown) {
+  CtlBench ctl("[[bus]]\nname = \"bench\"\nlink = \"can:none\"\n" + axis_section("x", 1));
+  const auto document = ctl.json({"buses", "--for", "2"});
   EXPECT_TRUE(document.at("buses").at(0).at("load_percent").is_null());
-  EXPECT_EQ(document.at("buses").at(0).at("counters").at("timeouts"), 3);
-  // tmcld has started again in between.
-  target.results = {list({bus("serial:/dev/ttyS0", 9600, 100, 100)}),
-                    list({bus("serial:/dev/ttyS0", 9600, 1, 1)})};
-  EXPECT_EQ(run({"buses"}), ExitCode::done);
-  EXPECT_THAT(out, ContainsRegex("open +- +1 "));
+  EXPECT_EQ(document.at("buses").at(0).at("counters").at("timeouts"), 0);
 }
 
 TEST_F(CtlWatch, TopNeedsATerminal) {
@@ -155,23 +143,15 @@ TEST_F(CtlWatch, TopNeedsATerminal) {
   EXPECT_THAT(err, AllOf(HasSubstr("needs a terminal"), HasSubstr("watch --all")));
 }
 
-TEST_F(CtlWatch, ErrorsExitsWithOneWhereSomethingIsWrong) {
-  const auto report = [](boost::json::array flags) {
-    return boost::json::object{{"axis", "x"},
-                               {"flags", std::move(flags)},
-                               {"unproven", {"open_load_b"}},
-                               {"switches", boost::json::array()},
-                               {"stop_cause", nullptr},
-                               {"supply_volts", 24.0},
-                               {"temperature_celsius", nullptr}};
-  };
-  target.result = report({"short_to_ground_a", "undervoltage"});
-  EXPECT_EQ(run({"errors", "x"}), ExitCode::refused);
-  EXPECT_THAT(out, HasSubstr("short_to_ground_a, undervoltage"));
-  EXPECT_EQ(run({"errors", "x", "--json"}), ExitCode::refused);
-  EXPECT_THAT(out, HasSubstr(R"("flags":["short_to_ground_a","undervoltage"])"));
-  target.result = report({});
-  EXPECT_EQ(run({"errors", "x"}), ExitCode::done) << "an open load at standstill is none";
+TEST(CtlErrors, ExitsWithOneWhereSomethingIsWrong) {
+  CtlBench ctl;
+  EXPECT_EQ(ctl.run({"errors", "x"}), ExitCode::done) << "an open load at standstill is none";
+  ctl.module().at_stage(
+      0, [](tmcl::sim::Stage& stage) { stage.set_fault(tmcl::sim::DriverFault::short_a, true); });
+  EXPECT_EQ(ctl.run({"errors", "x"}), ExitCode::refused);
+  EXPECT_THAT(ctl.out, HasSubstr("short_to_ground_a"));
+  EXPECT_EQ(ctl.run({"errors", "x", "--json"}), ExitCode::refused);
+  EXPECT_THAT(ctl.out, HasSubstr(R"("flags":["short_to_ground_a"])"));
 }
 
 TEST(AxisRows, PlacesAnAxisWithinItsLimits) {
@@ -185,7 +165,10 @@ TEST(AxisRows, PlacesAnAxisWithinItsLimits) {
 
 TEST(AxisRows, SaysAllAboutAnAxisInOneLine) {
   AxisReading reading;
-  UserReading{"mm", 5, 10, 2.5}.put_into(reading);
+  reading.unit = "mm";
+  reading.position = 5;
+  reading.target = 10;
+  reading.velocity = 2.5;
   reading.moving = true;
   reading.latched = true;
   reading.referenced = true;
