@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-class CtlCatalogue : public testing::Test, public test::Ctl {};
+class CtlCatalogue : public testing::Test, public test::CtlBench {};
 
 TEST_F(CtlCatalogue, ListsEveryModel) {
   EXPECT_EQ(run({"models"}), ExitCode::done);

@@ -1,7 +1,7 @@
 // What a shell offers at the cursor.
 #include <gmock/gmock.h>
 
-#include "ctl_fixture.hpp"
+#include "command_line/options.hpp"
 #include "support/random.hpp"
 #include "support/seed.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "support/program_host.hpp"
 #include "support/temp_path.hpp"
-#include "unit/ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 #include "unit/sim_fixture.hpp"
 
 namespace tmclctl::test {
@@ -45,7 +45,7 @@ class CtlPathExport : public tmcl::sim::SimTest {
   }
 
   const std::string path = tmcl::test::temp_path("ctl_path_export_test");
-  Ctl ctl;
+  CtlBench ctl;
 };
 
 /// How far a point is from the line between two others.

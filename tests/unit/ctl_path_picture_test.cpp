@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "support/temp_path.hpp"
-#include "unit/ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {
@@ -37,7 +37,7 @@ class CtlPathPicture : public testing::Test {
   }
 
   const std::string path = tmcl::test::temp_path("ctl_path_picture_test");
-  Ctl ctl;
+  CtlBench ctl;
 };
 
 /// Of the first line of this kind: the plane is above the axes over time, and above its legend.

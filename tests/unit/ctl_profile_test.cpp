@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "command_line/options.hpp"
-#include "ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 #include "profile/player.hpp"
 #include "profile/setup.hpp"
 #include "support/build_paths.hpp"
@@ -290,7 +290,7 @@ std::string information(const std::vector<std::string>& words) {
   return std::get<Information>(parse_options(words).value()).text;
 }
 
-class CtlProfile : public testing::Test, public test::Ctl {
+class CtlProfile : public testing::Test, public test::CtlBench {
  protected:
   using Words = std::vector<std::string>;
 

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "command_line/options.hpp"
-#include "ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 #include "support/build_paths.hpp"
 
 namespace tmclctl {
@@ -18,7 +18,7 @@ const std::string loop_text = "Loop: MVP ABS, 0, Far\n  JA Loop\n";
 const std::string loop_bytes("\x04\0\0\0\0\0\x05\x09\x16\0\0\0\0\0\0\x16", 16);
 
 /// In a folder of its own, with a program.
-class CtlProgram : public testing::Test, public test::Ctl {
+class CtlProgram : public testing::Test, public test::CtlBench {
  protected:
   CtlProgram() {
     std::string name = std::filesystem::temp_directory_path() / "ctl_program-XXXXXX";

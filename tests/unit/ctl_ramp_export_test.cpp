@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <regex>
 
+#include <fmt/format.h>
+
 #include "support/program_host.hpp"
 #include "tmcl/plan/ramp_registers.hpp"
 #include "tmcl/ramp/tmc429.hpp"
-#include "unit/ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 #include "unit/sim_fixture.hpp"
 
 namespace tmclctl::test {
@@ -51,7 +53,7 @@ class CtlRampExport : public tmcl::sim::SimTest {
     }
   }
 
-  Ctl ctl;
+  CtlBench ctl;
 };
 
 class CtlRampExportOf : public CtlRampExport, public testing::WithParamInterface<std::string> {};

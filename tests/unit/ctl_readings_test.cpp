@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "axis/readings.hpp"
-#include "ctl_fixture.hpp"
 #include "tmcl/api/system.hpp"
+#include "unit/ctl_host.hpp"
 
 namespace tmclctl::test {
 namespace {
 
+namespace api = tmcl::api;
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 
@@ -20,6 +21,10 @@ api::NewState state_at(std::int32_t position) {
   state.axis = "x";
   state.position_microsteps = position;
   return state;
+}
+
+Error ended_early(const char* name, const char* message) {
+  return {name, ErrorKind::ended_early, tmcl::Outcome::unknown, message, {}};
 }
 
 /// A gateway with an axis that arrives after some time; a wait takes as long as it says.
@@ -57,8 +62,7 @@ class ScriptedChannel final : public tmcl::client::Channel {
     const std::chrono::milliseconds at_most(waits_ms.back());
     host_.sleep(std::min<tmcl::Duration>(at_most, arrives_after));
     arrives_after -= std::min<tmcl::Duration>(at_most, arrives_after);
-    if (arrives_after > 0s)
-      return tl::unexpected(error_of(ExitCode::not_reached, "deadline_passed", "it moves"));
+    if (arrives_after > 0s) return tl::unexpected(ended_early("deadline_passed", "it moves"));
     return api::to_json(api::axis::Standing{{100, {}, {}}, {"it may oscillate"}});
   }
 
@@ -99,13 +103,14 @@ TEST_F(WaitingForAnAxis, EndsWhenItsTimeIsOver) {
 }
 
 TEST_F(WaitingForAnAxis, AsksNothingMoreOfAGatewayThatSaysNothing) {
-  channel->failure = error_of(ExitCode::unknown, "daemon_timeout", "no answer");
+  channel->failure =
+      Error{"daemon_timeout", ErrorKind::failed, tmcl::Outcome::unknown, "no answer", {}};
   EXPECT_EQ(wait().error().name, "daemon_timeout");
   EXPECT_EQ(channel->calls.back(), "axis.wait");
 }
 
 TEST_F(WaitingForAnAxis, LooksOnceMoreWhereAMoveWasInterrupted) {
-  channel->failure = error_of(ExitCode::not_reached, "move_interrupted", "it stands");
+  channel->failure = ended_early("move_interrupted", "it stands");
   EXPECT_EQ(wait().error().name, "move_interrupted");
   EXPECT_EQ(positions.back(), 100);
 }

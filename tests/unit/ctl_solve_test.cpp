@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "command_line/options.hpp"
-#include "ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 #include "profile/known_values.hpp"
 #include "tmcl/plan/profile.hpp"
 
@@ -19,7 +19,7 @@ using testing::Not;
 using tmcl::plan::Quantity;
 using Words = std::vector<std::string>;
 
-class CtlSolve : public testing::Test, public test::Ctl {
+class CtlSolve : public testing::Test, public test::CtlBench {
  protected:
   static Words solve(const std::string& text) {
     Words words{"profile", "solve"};

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "ctl_fixture.hpp"
+#include "command_line/tmclctl.hpp"
 #include "support/pty.hpp"
 #include "support/temp_path.hpp"
 

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "axis/jog_keys.hpp"
-#include "ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl {
 namespace {
@@ -196,7 +196,7 @@ TEST_F(HeldKeys, EachPressIsAStepWhereReleasesAreReported) {
   EXPECT_THAT(keys.take_steps(), ElementsAre(Step{0, 1}, Step{0, 1}, Step{0, 1}));
 }
 
-class CtlJog : public testing::Test, public test::Ctl {};
+class CtlJog : public testing::Test, public test::CtlBench {};
 
 TEST_F(CtlJog, NeedsATerminal) {
   EXPECT_EQ(run({"jog", "x"}), ExitCode::usage);

@@ -8,7 +8,7 @@
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
-#include "unit/ctl_fixture.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {
@@ -62,7 +62,7 @@ void expect_near(tmcl::RampLength expected, const boost::json::object& ramp) {
   EXPECT_NEAR(expected.microsteps, ramp.at("microsteps").to_number<double>(),
               .01 * expected.microsteps + 5);
 }
-class LengthOfARamp : public testing::Test, public Ctl {
+class LengthOfARamp : public testing::Test, public CtlBench {
  protected:
   double between(double least, double greatest) {
     return std::exp(std::uniform_real_distribution<>(std::log(least), std::log(greatest))(random_));
