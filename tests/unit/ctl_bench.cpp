@@ -203,6 +203,7 @@ class CtlBench::World final : public FakeHost, public std::enable_shared_from_th
  public:
   /// By their methods; "" for all of them.
   std::map<std::string, Error, std::less<>> failures;
+  std::map<std::string, std::function<void(boost::json::object&)>, std::less<>> changes;
   std::vector<std::string>* calls = nullptr;
   tmcl::client::Channel::Listener listener;
   bool echoes = false;
@@ -229,7 +230,10 @@ class BenchChannel final : public tmcl::client::Channel {
       const auto failure = world_->failures.find(wanted);
       if (failure != world_->failures.end()) return tl::unexpected(failure->second);
     }
-    return channel().call(method, std::move(params), options);
+    auto answer = channel().call(method, std::move(params), options);
+    const auto change = world_->changes.find(method);
+    if (answer && change != world_->changes.end()) change->second(*answer);
+    return answer;
   }
   Result<void> listen(tmcl::Duration at_most) override {
     if (std::exchange(world_->is_lost, false)) {
@@ -339,6 +343,10 @@ void CtlBench::let_lines_echo() { world_->echoes = true; }
 void CtlBench::fail(std::string_view method, std::optional<Error> error) {
   world_->failures.erase(std::string(method));
   if (error) world_->failures.emplace(method, std::move(*error));
+}
+
+void CtlBench::amend(std::string_view method, std::function<void(boost::json::object&)> change) {
+  world_->changes[std::string(method)] = std::move(change);
 }
 
 void CtlBench::lose_connection(int away_for) {

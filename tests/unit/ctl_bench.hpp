@@ -91,6 +91,8 @@ class CtlBench {
   void fail(std::string_view method, std::optional<Error> error);
   /// The same for every call.
   void fail_all(std::optional<Error> error) { fail("", std::move(error)); }
+  /// What the gateway answers to the method is changed, to what none of these modules has.
+  void amend(std::string_view method, std::function<void(boost::json::object&)> change);
   /// The connection is lost, and it is asked for so often in vain.
   void lose_connection(int away_for);
 

@@ -138,6 +138,23 @@ TEST(CtlBusesOnCan, TellTheLoadOfAControllerWhereItsRateIsKnown) {
   EXPECT_EQ(document.at("buses").at(0).at("counters").at("timeouts"), 0);
 }
 
+// A frame of seven bytes has 90 bits that up to 22 are stuffed into, and 13 more: 125. 400 exchanges
+// in a second are 100,000 of a million bits.
+TEST(CtlBusesOnCan, TellTheLoadOfAController) {
+  CtlBench ctl("[[bus]]\nname = \"bench\"\nlink = \"can:none\"\n" + axis_section("x", 1));
+  ctl.open();
+  int requests = 0;
+  ctl.amend("bus.list", [&](boost::json::object& told) {
+    auto& bus = told.at("buses").at(0).as_object();
+    bus["bit_rate"] = 1'000'000;
+    requests += 400;
+    bus.at("counters").as_object()["requests"] = requests;
+    bus.at("counters").as_object()["replies"] = requests;
+  });
+  EXPECT_EQ(ctl.run({"buses"}), ExitCode::done);
+  EXPECT_THAT(ctl.out, ContainsRegex("bench +can:none +open +10.0 % +800"));
+}
+
 TEST_F(CtlWatch, TopNeedsATerminal) {
   EXPECT_EQ(run({"top"}), ExitCode::usage);
   EXPECT_THAT(err, AllOf(HasSubstr("needs a terminal"), HasSubstr("watch --all")));
