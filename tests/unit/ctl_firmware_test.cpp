@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "ctl_fixture.hpp"
 #include "support/intel_hex.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl {
 namespace {
@@ -17,6 +17,7 @@ using testing::StartsWith;
 class CtlFirmware : public testing::Test {
  protected:
   CtlFirmware() {
+    ctl.add("TMCM-1110", 7);
     std::string name = std::filesystem::temp_directory_path() / "ctl_firmware-XXXXXX";
     folder = ::mkdtemp(name.data());
     write("good.hex", tmcl::test::hex_file(0x4000, tmcl::test::firmware_bytes(100, "1110V142")));
@@ -37,8 +38,7 @@ class CtlFirmware : public testing::Test {
   }
 
   std::filesystem::path folder;
-  test::Ctl ctl;
-  test::FakeGateway& target = ctl.target;
+  test::CtlBench ctl;
   std::string& out = ctl.out;
   std::string& err = ctl.err;
 };
@@ -70,7 +70,7 @@ TEST_F(CtlFirmware, ABadFileIsToldWithLineAndColumn) {
     EXPECT_EQ(run(words), ExitCode::usage);
     EXPECT_THAT(err, HasSubstr(path("bad.hex") + ":2:16: 'G' is no hexadecimal digit"));
   }
-  EXPECT_TRUE(target.calls.empty()) << "nothing was sent";
+  EXPECT_TRUE(ctl.calls.empty()) << "nothing was sent";
   EXPECT_EQ(run({"firmware", "info", path("cut.hex")}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("seems to be cut short"));
   EXPECT_EQ(run({"firmware", "info", path("none.hex")}), ExitCode::usage);
@@ -82,39 +82,37 @@ TEST_F(CtlFirmware, ABadFileIsToldWithLineAndColumn) {
 
 TEST_F(CtlFirmware, CheckTellsWhetherAFileBelongsToAModule) {
   EXPECT_EQ(run({"firmware", "check", path("good.hex"), "7"}), ExitCode::done);
-  EXPECT_EQ(target.calls, std::vector<std::string>{"firmware.status b:7"});
-  EXPECT_EQ(out, "module 7 has firmware 1.01 of a TMCM-1110; " + path("good.hex") +
+  EXPECT_EQ(out, "module 7 has firmware 1.13 of a TMCM-1110; " + path("good.hex") +
                      " is firmware 1.42 of a TMCM-1110\n");
   EXPECT_EQ(run({"firmware", "check", path("other.hex"), "7"}), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr("is for 3110V142; module 7 has firmware 1.01 of a TMCM-1110"));
+  EXPECT_THAT(err, HasSubstr("is for 3110V142; module 7 has firmware 1.13 of a TMCM-1110"));
   EXPECT_EQ(run({"firmware", "check", path("nameless.hex"), "7"}), ExitCode::usage);
-  const auto told = json({"firmware", "check", path("good.hex"), "b:7"});
+  const auto told = json({"firmware", "check", path("good.hex"), "bench:7"});
   EXPECT_EQ(told.at("module").at("offered"), "1110V142");
-  EXPECT_EQ(target.calls.back(), "firmware.status b:7");
+  EXPECT_EQ(ctl.calls.back(), R"(firmware.status {"bus":"bench","address":7})");
 }
 
 TEST_F(CtlFirmware, UploadTellsWhatRunsNow) {
   EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::done);
   EXPECT_EQ(out,
-            "module 7 runs firmware 1.42 of a TMCM-1110 now; before it was firmware 1.01 of a "
+            "module 7 runs firmware 1.42 of a TMCM-1110 now; before it was firmware 1.13 of a "
             "TMCM-1110\n");
   EXPECT_EQ(err, "");
-  EXPECT_EQ(target.calls.back(), "firmware.upload");
   const auto told = json({"firmware", "upload", path("good.hex"), "7", "--force"});
-  EXPECT_EQ(target.calls.back(), "firmware.upload by force");
+  EXPECT_THAT(ctl.calls_of("firmware.upload").back(), HasSubstr(R"("force":true)"));
   EXPECT_EQ(told.at("running"), "1110V142");
-  EXPECT_EQ(told.at("module").at("running"), "1110V101");
+  EXPECT_EQ(told.at("module").at("running"), "1110V142");
 }
 
 TEST_F(CtlFirmware, AnotherVersionThanTheFilesIsAWarning) {
-  target.runs_then = {1110, 1, 1};
+  ctl.amend("firmware.upload", [](boost::json::object& told) { told["running"] = "1110V101"; });
   EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::done);
   EXPECT_THAT(err, HasSubstr("warning"));
 }
 
 TEST_F(CtlFirmware, AFailureKeepsItsHint) {
-  target.failure = error_of(ExitCode::unknown, "reply_timeout", "writing: no answer",
-                            "start the same upload again");
+  ctl.fail("firmware.upload", Error{"reply_timeout", ErrorKind::failed, tmcl::Outcome::unknown,
+                                    "writing: no answer", "start the same upload again"});
   EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::unknown);
   EXPECT_THAT(err, HasSubstr("writing: no answer\n  Start the same upload again"));
 }
@@ -122,15 +120,16 @@ TEST_F(CtlFirmware, AFailureKeepsItsHint) {
 TEST_F(CtlFirmware, WhatNamesNoModuleIsRefused) {
   EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "seven"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("'seven' names no module"));
-  EXPECT_EQ(run({"firmware", "check", path("good.hex"), "b:"}), ExitCode::usage);
-  EXPECT_TRUE(target.calls.empty());
+  EXPECT_EQ(run({"firmware", "check", path("good.hex"), "bench:"}), ExitCode::usage);
+  EXPECT_TRUE(ctl.orders().empty());
 }
 
 TEST_F(CtlFirmware, ATerminalShowsHowFarItIs) {
+  write("long.hex", tmcl::test::hex_file(0x4000, tmcl::test::firmware_bytes(9000, "1110V142")));
   ctl.screen.terminal = true;
   ctl.screen.width = 80;
-  run({"firmware", "upload", path("good.hex"), "7"});
-  EXPECT_THAT(err, HasSubstr("erasing"));
+  run({"firmware", "upload", path("long.hex"), "7"});
+  EXPECT_THAT(err, HasSubstr("writing"));
 }
 
 }  // namespace
