@@ -4,81 +4,78 @@
 #include <filesystem>
 #include <fstream>
 
-#include "ctl_fixture.hpp"
+#include <unistd.h>
+
+#include "sim/module/module.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/trace_file.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {
 
-namespace json = boost::json;
 using testing::AllOf;
-using testing::ContainsRegex;
-using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::MatchesRegex;
 
-class CtlTrace : public testing::Test, public Ctl {
+class CtlTrace : public testing::Test, public CtlBench {
  protected:
+  explicit CtlTrace(const std::string& toml = plain_axis) : CtlBench(toml) {
+    place(51'200);
+    run({"state", "x"});
+    pass(std::chrono::seconds(2));
+    calls.clear();
+  }
   ~CtlTrace() override { std::filesystem::remove(file); }
 
-  static json::object buses(const std::vector<std::string>& names) {
-    json::array all;
-    for (const auto& name : names)
-      all.push_back(json::object{{"name", name}, {"link", "can:can0"}, {"state", "open"}});
-    return {{"buses", std::move(all)}};
-  }
-  static json::object datagram(int number, const char* direction, const char* bytes) {
-    return {{"number", number},
-            {"utc_us", 1'764'065'521'123'456},
-            {"direction", direction},
-            {"bytes", bytes},
-            {"client", "process 4711"}};
-  }
-  static json::object traffic(json::array datagrams, int last, int dropped = 0) {
-    return {{"bus", "bench"},
-            {"last", last},
-            {"dropped", dropped},
-            {"datagrams", std::move(datagrams)}};
-  }
-  /// One exchange goes over the only bus while it is looked at.
+  /// One goes over the only bus while it is looked at.
   void let_one_exchange_pass() {
-    target.results = {
-        buses({"bench"}), traffic({datagram(6, "out", "01")}, 6),
-        traffic({datagram(7, "out", "010601000000000008"), datagram(8, "in", "020164060000c80035")},
-                8),
-        traffic({}, 8)};
+    other_after(std::chrono::milliseconds(500), "module.execute",
+                {{"bus", "bench"},
+                 {"address", 1},
+                 {"command", 6},
+                 {"type", 1},
+                 {"motor", 0},
+                 {"value", 0}});
   }
 
   std::string file = tmcl::test::temp_path("trace.pcapng");
 };
 
+struct CtlTraceOfCan : CtlTrace {
+  CtlTraceOfCan()
+      : CtlTrace("[[bus]]\nname = \"bench\"\nlink = \"can:none\"\n" + axis_section("x", 1)) {}
+};
+struct CtlTraceOfTwoBuses : CtlTrace {
+  CtlTraceOfTwoBuses()
+      : CtlTrace(plain_axis + "[[bus]]\nname = \"other\"\nlink = \"can:none\"\n") {}
+};
+
 TEST_F(CtlTrace, ShowsWhatPassesFromNowOn) {
   let_one_exchange_pass();
   EXPECT_EQ(run({"trace", "--for", "1"}), ExitCode::done);
-  EXPECT_EQ(
+  EXPECT_THAT(
       out,
-      "10:12:01.123456 -> 01 06 01 00 00 00 00 00 08  1 GAP actual_position 0 motor 0           "
-      "process 4711\n"
-      "10:12:01.123456 <- 02 01 64 06 00 00 c8 00 35  1 GAP 51200                               "
-      "process 4711\n");
-  EXPECT_THAT(target.calls,
-              testing::Contains(R"(bus.trace {"bus":"bench","after":6,"limit":1024})"));
+      MatchesRegex(
+          "01:00:[0-9.]+ -> 01 06 01 00 00 00 00 00 08  1 GAP actual_position 0 motor 0 +other\n"
+          "01:00:[0-9.]+ <- 02 01 64 06 00 00 c8 00 35  1 GAP 51200 +other\n"));
+  EXPECT_THAT(calls_of("bus.trace").at(1),
+              MatchesRegex(R"(bus.trace ."bus":"bench","after":[0-9]+,"limit":1024.)"));
 }
 
 TEST_F(CtlTrace, BeginsWithWhatIsRemembered) {
-  target.results = {buses({"bench"}), traffic({datagram(6, "out", "010601000000000008")}, 6),
-                    traffic({}, 6)};
   EXPECT_EQ(run({"trace", "bench", "--last", "50", "--for", "0.1"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr("1 GAP actual_position"));
-  EXPECT_THAT(target.calls, testing::Contains(R"(bus.trace {"bus":"bench","limit":50})"));
+  EXPECT_THAT(calls, testing::Contains(R"(bus.trace {"bus":"bench","limit":50})"));
 }
 
 TEST_F(CtlTrace, IsADocumentForEachDatagram) {
   let_one_exchange_pass();
   EXPECT_EQ(run({"trace", "--for", "1", "--json"}), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr(R"({"utc":"2025-11-25T10:12:01.123456Z","direction":"in",)"
+  EXPECT_THAT(out, HasSubstr(R"({"utc":"1970-01-01T01:00:)"));
+  EXPECT_THAT(out, HasSubstr(R"(Z","direction":"in",)"
                              R"("bytes":"020164060000c80035","text":"1 GAP 51200",)"
-                             R"("client":"process 4711"})"));
+                             R"("client":"other"})"));
 }
 
 TEST_F(CtlTrace, AFileIsShownAsTheBusWas) {
@@ -86,8 +83,7 @@ TEST_F(CtlTrace, AFileIsShownAsTheBusWas) {
   EXPECT_EQ(run({"trace", "--for", "1", "-w", file}), ExitCode::done);
   EXPECT_EQ(out, "");
   EXPECT_EQ(err, "2 datagrams are in " + file + "\n");
-  let_one_exchange_pass();
-  EXPECT_EQ(run({"trace", "--for", "1"}), ExitCode::done);
+  EXPECT_EQ(run({"trace", "--last", "2", "--for", "0.1"}), ExitCode::done);
   const auto shown = out;
   EXPECT_EQ(run({"trace", "--read", file}), ExitCode::done);
   EXPECT_EQ(out, shown);
@@ -115,42 +111,40 @@ TEST_F(CtlTrace, ShowsOnlyTheCommandsThatAreWanted) {
 }
 
 TEST_F(CtlTrace, LeavesOutWhatThisTerminalHasAsked) {
-  auto mine = datagram(7, "out", "010601000000000008");
-  mine["client"] = "tmclctl (process " + std::to_string(::getpid()) + ")";
-  target.results = {buses({"bench"}), traffic({}, 6),
-                    traffic({mine, datagram(8, "out", "010601000000000008")}, 8), traffic({}, 8)};
-  EXPECT_EQ(run({"trace", "--for", "1", "--not-mine"}), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr("process 4711"));
+  run({"get", "x", "max_velocity"});
+  other(
+      "module.execute",
+      {{"bus", "bench"}, {"address", 1}, {"command", 6}, {"type", 1}, {"motor", 0}, {"value", 0}});
+  EXPECT_EQ(run({"trace", "--last", "4", "--for", "0.1"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr(std::to_string(::getpid())));
+  EXPECT_EQ(run({"trace", "--last", "4", "--for", "0.1", "--not-mine"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("other"));
   EXPECT_THAT(out, testing::Not(HasSubstr(std::to_string(::getpid()))));
 }
 
 TEST_F(CtlTrace, SaysWhatItHasMissed) {
-  target.results = {buses({"bench"}), traffic({}, 6),
-                    traffic({datagram(5000, "out", "010601000000000008")}, 5000, 904),
-                    traffic({}, 5000)};
+  let_one_exchange_pass();
+  amend("bus.trace", [](boost::json::object& told) {
+    if (!told.at("datagrams").as_array().empty()) told["dropped"] = 904;
+  });
   EXPECT_EQ(run({"trace", "--for", "1"}), ExitCode::done);
   EXPECT_THAT(err, HasSubstr("904 datagrams went by too fast and are missing"));
 }
 
-TEST_F(CtlTrace, AFrameHasItsIdentifier) {
-  auto frame = datagram(7, "out", "06010000000000");
-  frame["can_id"] = 1;
-  target.results = {buses({"bench"}), traffic({}, 6), traffic({std::move(frame)}, 7),
-                    traffic({}, 7)};
+TEST_F(CtlTraceOfCan, HasTheIdentifierOfAFrame) {
+  let_one_exchange_pass();
   EXPECT_EQ(run({"trace", "--for", "1"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr("-> 001 06 01 00 00 00 00 00 "));
 }
 
 TEST_F(CtlTrace, EndsWithCtrlC) {
-  target.results = {buses({"bench"}), traffic({}, 8)};
   host.press_ctrl_c_after(std::chrono::seconds(5));
   EXPECT_EQ(run({"trace"}), ExitCode::done);
 }
 
-TEST_F(CtlTrace, WhichBusIsAsked) {
-  target.result = buses({"a", "b"});
+TEST_F(CtlTraceOfTwoBuses, WhichOneIsAsked) {
   EXPECT_EQ(run({"trace"}), ExitCode::usage);
-  EXPECT_THAT(err, AllOf(HasSubstr("which bus"), HasSubstr("It has: a, b")));
+  EXPECT_THAT(err, AllOf(HasSubstr("which bus"), HasSubstr("It has: bench, other")));
   EXPECT_EQ(run({"trace", "c"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("no bus 'c'"));
 }
@@ -160,7 +154,6 @@ TEST_F(CtlTrace, FilesThatAreNoneAreNamed) {
   EXPECT_THAT(err, HasSubstr("cannot read /none"));
   EXPECT_EQ(run({"trace", "bench", "--read", file}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--read takes nothing beside it"));
-  target.results = {buses({"bench"}), traffic({}, 8)};
   EXPECT_EQ(run({"trace", "-w", "/none/x"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("cannot write /none/x"));
 }
