@@ -6,13 +6,15 @@
 #include <unistd.h>
 
 #include "connection/port_checks.hpp"
-#include "ctl_fixture.hpp"
+#include "sim/module/module.hpp"
 #include "tmcl/pty.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -83,53 +85,44 @@ TEST(PortsOfThisProgram, AreFreeOfOthers) {
 
 // ---- what is shown -----------------------------------------------------------------------------
 
-class CtlDoctor : public testing::Test, public Ctl {
+/// On a link of which the computer knows nothing.
+class CtlDoctor : public testing::Test, public CtlBench {
  protected:
-  static boost::json::object finding(const char* check, const char* subject, bool wrong) {
-    boost::json::object one{{"check", check},
-                            {"subject", subject},
-                            {"wrong", wrong},
-                            {"text", std::string("it is ") + check}};
-    one["cure"] = wrong ? boost::json::value("mend it") : boost::json::value(nullptr);
-    return one;
-  }
-  void find(boost::json::array findings) {
-    target.results.push_back({{"buses", boost::json::array{}}});
-    target.result = {{"findings", std::move(findings)}};
-  }
+  CtlDoctor()
+      : CtlBench("[[bus]]\nname = \"bench\"\nlink = \"tcp:127.0.0.1:4001\"\n" +
+                 axis_section("x", 1)) {}
 };
 
 TEST_F(CtlDoctor, ShowsTheFirstThingThatIsWrong) {
-  find({finding("switches", "y", true), finding("bus", "b", false), finding("supply", "x", true)});
+  module().set_supply(0);
+  set("max_current", 0);
   EXPECT_EQ(run({"doctor"}), ExitCode::refused);
-  EXPECT_EQ(out, "x: supply: it is supply\n  mend it\n1 more is wrong: --all shows it\n");
+  EXPECT_EQ(out,
+            "x: supply: its supply is too low: 0.0 V\n"
+            "  look at the pins of the motor's supply: many modules take logic and motors on two\n"
+            "1 more is wrong: --all shows it\n");
 }
 
 TEST_F(CtlDoctor, ShowsAllQuestionsAndAnswers) {
-  find({finding("bus", "b", false), finding("supply", "x", true)});
+  module().set_supply(0);
   EXPECT_EQ(run({"doctor", "--all"}), ExitCode::refused);
-  EXPECT_THAT(out, HasSubstr("       b   is the bus open?"));
-  EXPECT_THAT(out, HasSubstr("WRONG  x   does the motor have its supply?"));
-  EXPECT_THAT(out, HasSubstr("\nx: supply: it is supply\n  mend it\n"));
+  EXPECT_THAT(out, ContainsRegex("       bench +is the bus open\\?"));
+  EXPECT_THAT(out, ContainsRegex("WRONG  x +does the motor have its supply\\?"));
+  EXPECT_THAT(out, HasSubstr("\nx: supply: its supply is too low: 0.0 V\n  look at the pins"));
 }
 
 TEST_F(CtlDoctor, IsDoneWhereNothingIsWrong) {
-  find({finding("bus", "b", false)});
-  EXPECT_EQ(run({"doctor", "x"}), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr("nothing is wrong, as far as 2 checks tell"));
-  EXPECT_THAT(target.calls.back(), HasSubstr(R"(doctor.examine {"axis":"x"})"));
+  EXPECT_EQ(run({"doctor", "x"}), ExitCode::done) << out;
+  EXPECT_THAT(out, ContainsRegex("nothing is wrong, as far as [0-9]+ checks tell"));
+  EXPECT_EQ(calls.back(), R"(doctor.examine {"axis":"x"})");
 }
 
 TEST_F(CtlDoctor, AsksForEachAxisOfAModule) {
-  const boost::json::object buses{
-      {"buses", boost::json::array{{{"name", "bench"}, {"link", "can:can0"}, {"state", "open"}}}}};
-  target.results = {buses, buses};
-  target.result = {{"findings", boost::json::array{finding("bus", "b", false)}}};
-  ASSERT_EQ(run({"doctor", "1"}), ExitCode::done) << err;
-  EXPECT_THAT(target.calls.back(), HasSubstr(R"(doctor.examine {"axis":"x"})"));
-  target.results = {buses, buses};
-  EXPECT_EQ(run({"doctor", "7"}), ExitCode::done) << err;
-  EXPECT_THAT(target.calls.back(), HasSubstr(R"(doctor.examine {"axis":"bench:7/0"})"));
+  ASSERT_EQ(run({"doctor", "1"}), ExitCode::done) << err << out;
+  EXPECT_EQ(calls.back(), R"(doctor.examine {"axis":"x"})");
+  add("TMCM-1110", 7);
+  EXPECT_EQ(run({"doctor", "7"}), ExitCode::done) << err << out;
+  EXPECT_EQ(calls.back(), R"(doctor.examine {"axis":"bench:7/0"})");
 }
 
 }  // namespace
