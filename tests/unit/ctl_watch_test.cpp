@@ -138,8 +138,8 @@ TEST(CtlBusesOnCan, TellTheLoadOfAControllerWhereItsRateIsKnown) {
   EXPECT_EQ(document.at("buses").at(0).at("counters").at("timeouts"), 0);
 }
 
-// A frame of seven bytes has 90 bits that up to 22 are stuffed into, and 13 more: 125. 400 exchanges
-// in a second are 100,000 of a million bits.
+// A frame of seven bytes has 90 bits that up to 22 are stuffed into, and 13 more: 125. 400
+// exchanges in a second are 100,000 of a million bits.
 TEST(CtlBusesOnCan, TellTheLoadOfAController) {
   CtlBench ctl("[[bus]]\nname = \"bench\"\nlink = \"can:none\"\n" + axis_section("x", 1));
   ctl.open();
