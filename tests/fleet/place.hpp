@@ -1,6 +1,7 @@
 /// Where a fleet is.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -28,6 +29,7 @@ struct FleetPlace {
     options.ca = authority();
     options.certificate = file_of(name, ".crt");
     options.key = file_of(name, ".key");
+    options.time_to_be_let_in = std::chrono::seconds(30);
     return options;
   }
 };

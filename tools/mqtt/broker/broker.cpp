@@ -30,7 +30,6 @@ using boost::asio::posix::stream_descriptor;
 
 // A broker that has fallen silent is noticed after one and a half of it.
 constexpr int keep_alive_s = 10;
-constexpr auto let_in_timeout = std::chrono::seconds(5);
 constexpr auto housekeeping_interval = std::chrono::seconds(1);
 constexpr const char* authorities_of_system = "/etc/ssl/certs";
 
@@ -238,7 +237,7 @@ awaitable<std::string> MosquittoBroker::wait_until_let_in() {
   tmcld::spawn(executor_, read(self));
   tmcld::spawn(executor_, write(self));
   tmcld::spawn(executor_, keep_house(self));
-  const auto deadline = tmcl::ContextClock(executor_).now() + let_in_timeout;
+  const auto deadline = tmcl::ContextClock(executor_).now() + options_.time_to_be_let_in;
   while (!is_let_in_ && !lost_ && tmcl::ContextClock(executor_).now() < deadline)
     co_await changed_.wait_until(deadline);
   if (!is_let_in_) lose("it accepts the connection and then says nothing");
@@ -278,6 +277,8 @@ awaitable<void> MosquittoBroker::keep_house(std::shared_ptr<MosquittoBroker> sel
   while (!self->lost_) {
     co_await tmcld::rest(housekeeping_interval);
     if (self->lost_) break;
+    // The library would take a handshake that lasts for silence.
+    if (!self->is_let_in_) continue;
     self->note(::mosquitto_loop_misc(self->client_));
     self->has_output_.notify();
   }

@@ -1,6 +1,7 @@
 /// One connection to an MQTT 5 broker, until it is lost. The only files that know libmosquitto.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "broker/message.hpp"
+#include "tmcl/clock.hpp"
 
 namespace tmcld {
 class Workers;
@@ -38,6 +40,8 @@ struct BrokerOptions {
   std::uint32_t will_delay_s = 1;
   /// The broker publishes the will also when the connection ends as asked.
   bool will_at_end = false;
+  /// After its TCP is there.
+  tmcl::Duration time_to_be_let_in = std::chrono::seconds(5);
 };
 
 struct Subscribed {

@@ -29,6 +29,9 @@ constexpr auto look_interval = std::chrono::milliseconds(100);
 constexpr auto pause_without_gateway = std::chrono::seconds(1);
 constexpr std::int32_t state_interval_ms = 500;
 constexpr std::size_t longest_short_answer = 4096;
+// All gateways come at once when a broker has started again: the handshakes of a thousand keep it
+// busy for some ten seconds, and those that give up meanwhile begin theirs anew.
+constexpr auto time_to_be_let_in = std::chrono::seconds(30);
 // The one that stood on the broker before, and the will of a connection that was lost.
 constexpr int most_replaced_births = 2;
 // More of them at a time cost a gateway that is late more time, and stop nothing sooner: those that
@@ -82,6 +85,7 @@ BrokerOptions broker_options(const MqttConfig& config, std::string client_id) {
   options.user = config.user;
   if (!config.password_file.empty())
     options.password = [path = config.password_file] { return password_in(path); };
+  options.time_to_be_let_in = time_to_be_let_in;
   return options;
 }
 
