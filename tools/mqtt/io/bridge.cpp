@@ -430,7 +430,7 @@ void Bridge::take(Line& line, const Message& message) {
 
 void Bridge::carry_out(Line& line, Judged judged, tmcl::TimePoint now) {
   auto& reply = judged.reply;
-  if (std::holds_alternative<StopWanted>(judged.is)) return stop_axes(line, std::move(reply));
+  if (std::holds_alternative<StopWanted>(judged.is)) return stop_axes(line, reply);
   if (const auto* refused = std::get_if<Refused>(&judged.is))
     return answer(line, reply, tl::unexpected(refused->error));
   if (std::holds_alternative<NonceWanted>(judged.is)) return answer(line, reply, json::object());
@@ -447,9 +447,10 @@ void Bridge::carry_out(Line& line, Judged judged, tmcl::TimePoint now) {
   users_->call(std::move(*call), now, std::move(on_answer));
 }
 
-void Bridge::stop_axes(Line& line, std::optional<ReplyTo> reply) {
-  if (waiting_stops_.size() < most_waiting_stops)
-    waiting_stops_.emplace_back(&line, std::move(reply));
+void Bridge::stop_axes(Line& line, const std::optional<ReplyTo>& reply) {
+  StopAsked stop{&line, {}, {}};
+  if (reply) stop = {&line, reply->topic, reply->correlation};
+  if (waiting_stops_.size() < most_waiting_stops) waiting_stops_.insert(std::move(stop));
   send_stops();
 }
 
@@ -486,24 +487,35 @@ awaitable<void> Bridge::stop_anew(std::shared_ptr<Bridge> self, Stops stops) {
 
 void Bridge::end_stops(const Stops& stops, const Result<json::object>& result) {
   --stops_in_progress_;
-  for (const auto& [line, reply] : stops) answer(*line, reply, result);
+  const auto text = answer_text(result, {});
+  for (const auto& stop : stops) {
+    if (!stop.topic || !stop.line->broker) continue;
+    stop.line->outbox.add_answer(
+        {.topic = *stop.topic, .payload = text, .correlation = stop.correlation});
+    flush(*stop.line);
+  }
   send_stops();
 }
 
 void Bridge::answer(Line& line, const std::optional<ReplyTo>& reply,
                     const Result<json::object>& result) {
   if (!reply || !line.broker) return;
-  json::object said;
-  if (result) {
-    said["result"] = *result;
-  } else {
-    said["error"] = tmcl::client::to_json(result.error());
-  }
-  said["epoch"] = gate_.epoch();
-  if (!reply->user.empty()) said["nonce"] = gate_.give_nonce(reply->user, now());
-  line.outbox.add_answer(
-      {.topic = reply->topic, .payload = tmcl::json_text(said), .correlation = reply->correlation});
+  line.outbox.add_answer({.topic = reply->topic,
+                          .payload = answer_text(result, reply->user),
+                          .correlation = reply->correlation});
   flush(line);
+}
+
+std::string Bridge::answer_text(const Result<json::object>& result, const std::string& user) {
+  std::string text = result ? R"({"result":)" : R"({"error":)";
+  if (result) {
+    tmcl::append_json(text, *result);
+  } else {
+    tmcl::append_json(text, tmcl::client::to_json(result.error()));
+  }
+  json::object more{{"epoch", gate_.epoch()}};
+  if (!user.empty()) more["nonce"] = gate_.give_nonce(user, now());
+  return text + ',' + tmcl::json_text(more).substr(1);
 }
 
 }  // namespace tmclmqtt

@@ -4,6 +4,8 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -74,10 +76,18 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
 
   void take(Line& line, const Message& message);
   void carry_out(Line& line, Judged judged, tmcl::TimePoint now);
-  /// Where each came from, and where its answer goes.
-  using Stops = std::vector<std::pair<Line*, std::optional<ReplyTo>>>;
+  /// Where a stop came from, and where its answer goes; without a topic it gets none.
+  struct StopAsked {
+    Line* line;
+    std::optional<std::string> topic;
+    std::string correlation;
+    auto operator<=>(const StopAsked&) const = default;
+  };
+  /// Those that cannot be told apart by their answers get one: a sender that repeats its stop costs
+  /// a gateway that is late no more than one that does not.
+  using Stops = std::set<StopAsked>;
 
-  void stop_axes(Line& line, std::optional<ReplyTo> reply);
+  void stop_axes(Line& line, const std::optional<ReplyTo>& reply);
   /// One for all that wait.
   void send_stops();
   /// tmcld may be there although it has cut this program off, and a stop cannot wait for that.
@@ -86,6 +96,9 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   void end_stops(const Stops& stops, const tmcl::client::Result<boost::json::object>& result);
   void answer(Line& line, const std::optional<ReplyTo>& reply,
               const tmcl::client::Result<boost::json::object>& result);
+  /// `user`: whom a nonce is for; empty: none.
+  std::string answer_text(const tmcl::client::Result<boost::json::object>& result,
+                          const std::string& user);
   void say_birth();
   void replace_birth(Publication its_own);
   void add_news(std::vector<Publication> news);

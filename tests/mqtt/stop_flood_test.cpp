@@ -1,0 +1,179 @@
+// Stops that come faster than tmcld answers them.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+#include <boost/asio/read_until.hpp>
+#include <boost/asio/write.hpp>
+#include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
+
+#include "async/wake.hpp"
+#include "io/bridge.hpp"
+#include "support/temp_path.hpp"
+#include "tmcl/virtual_time.hpp"
+
+namespace tmclmqtt {
+namespace {
+
+namespace json = boost::json;
+using std::chrono::milliseconds;
+
+/// Answers at once what a bridge asks first; a stop only when it is told to.
+class SlowTmcld {
+ public:
+  using Protocol = boost::asio::local::stream_protocol;
+
+  SlowTmcld(boost::asio::io_context& context, const std::string& path)
+      : acceptor_(context, Protocol::endpoint(path)), socket_(context) {
+    acceptor_.async_accept(socket_, [this](const boost::system::error_code& error) {
+      if (error) return;
+      say({{"method", "hello"}, {"params", {{"protocol", {{"major", 1}}}, {"daemon", "slow"}}}});
+      read();
+    });
+  }
+
+  int stops() const { return stops_; }
+  void answer_stops() {
+    is_slow_ = false;
+    for (const auto& id : std::exchange(held_, {})) answer_stop(id);
+  }
+
+ private:
+  void read() {
+    boost::asio::async_read_until(
+        socket_, boost::asio::dynamic_buffer(received_), '\n',
+        [this](const boost::system::error_code& error, std::size_t count) {
+          if (error) return;
+          take(json::parse(json::string_view(received_.data(), count)).as_object());
+          received_.erase(0, count);
+          read();
+        });
+  }
+  void take(const json::object& request) {
+    const auto& id = request.at("id");
+    if (request.at("method") != "system.stop_all")
+      return say({{"id", id}, {"result", {{"methods", json::array()}, {"axes", json::array()}}}});
+    ++stops_;
+    is_slow_ ? held_.push_back(id) : answer_stop(id);
+  }
+  void answer_stop(const json::value& id) {
+    say({{"id", id}, {"result", {{"stopped", json::array()}, {"failed", json::array()}}}});
+  }
+  void say(json::object message) {
+    message["jsonrpc"] = "2.0";
+    boost::asio::write(socket_, boost::asio::buffer(json::serialize(message) + '\n'));
+  }
+
+  Protocol::acceptor acceptor_;
+  Protocol::socket socket_;
+  std::string received_;
+  std::vector<json::value> held_;
+  bool is_slow_ = true;
+  int stops_ = 0;
+};
+
+/// Takes everything, and is there until it is left.
+class OpenBroker final : public Broker {
+ public:
+  OpenBroker(const boost::asio::any_io_executor& executor, std::vector<Publication>& published)
+      : ended_(executor), published_(published) {}
+  void subscribe(const Subscribed& /*to*/) override {}
+  Sent publish(const Publication& publication) override {
+    published_.push_back(publication);
+    return Sent::yes;
+  }
+  bool has_room() const override { return true; }
+  boost::asio::awaitable<std::string> end() override {
+    while (!has_ended_) co_await ended_.wait();
+    co_return std::string("ended");
+  }
+  void disconnect() override {
+    has_ended_ = true;
+    ended_.notify();
+  }
+
+ private:
+  tmcld::Wake ended_;
+  bool has_ended_ = false;
+  std::vector<Publication>& published_;
+};
+
+class MqttStopFlood : public testing::Test {
+ protected:
+  MqttStopFlood() {
+    bridge->start();
+    time.run_for(milliseconds(1000));
+  }
+  ~MqttStopFlood() override {
+    bridge->stop();
+    time.run_for(milliseconds(2000));
+    std::filesystem::remove(socket);
+  }
+
+  static std::string free_path() {
+    auto path = tmcl::test::temp_path("stop-flood.sock");
+    std::filesystem::remove(path);
+    return path;
+  }
+  std::shared_ptr<Bridge> make_bridge() {
+    MqttConfig config;
+    config.gateway = "hall";
+    config.socket = socket;
+    BridgeParts parts;
+    parts.connect = [this](const auto& options, auto on_message, const auto& /*on_room*/) {
+      return connect(options.client_id, std::move(on_message));
+    };
+    parts.draw = [drawn = 0]() mutable { return "drawn-" + std::to_string(++drawn); };
+    parts.on_turn = [] {};
+    return std::make_shared<Bridge>(context.get_executor(), config, std::move(parts));
+  }
+  boost::asio::awaitable<Connected> connect(std::string client, Broker::OnMessage on_message) {
+    if (client.ends_with("-stop")) say = std::move(on_message);
+    std::shared_ptr<Broker> broker =
+        std::make_shared<OpenBroker>(context.get_executor(), published);
+    co_return broker;
+  }
+  void stop(int times, const std::string& correlation) {
+    Message message;
+    message.topic = "tmcl/v1/all/stop";
+    message.response_topic = "tmcl/v1/reply/anna/all/stop";
+    message.correlation = correlation;
+    for (; times > 0; --times) say(message);
+    time.run_for(milliseconds(10));
+  }
+  std::ptrdiff_t answers(const std::string& correlation) const {
+    return std::ranges::count(published, correlation, &Publication::correlation);
+  }
+
+  boost::asio::io_context context{1};
+  tmcl::VirtualTime time{context};
+  std::string socket = free_path();
+  SlowTmcld tmcld{context, socket};
+  std::vector<Publication> published;
+  Broker::OnMessage say;
+  std::shared_ptr<Bridge> bridge = make_bridge();
+};
+
+TEST_F(MqttStopFlood, GoesOutAsOneStopAndOneAnswerForEachSender) {
+  stop(8, "first");
+  EXPECT_EQ(tmcld.stops(), 8) << "each at once";
+  stop(1000, "again");
+  stop(1, "other");
+  EXPECT_EQ(tmcld.stops(), 8);
+  tmcld.answer_stops();
+  time.run_for(milliseconds(10));
+  EXPECT_EQ(tmcld.stops(), 9) << "one for all that waited";
+  EXPECT_EQ(answers("first"), 8);
+  EXPECT_EQ(answers("again"), 1);
+  EXPECT_EQ(answers("other"), 1);
+  const auto answer = json::parse(published.back().payload).as_object();
+  EXPECT_TRUE(answer.contains("result") && answer.contains("epoch")) << published.back().payload;
+}
+
+}  // namespace
+}  // namespace tmclmqtt
