@@ -1,12 +1,12 @@
 #include "io/gateway_link.hpp"
 
+#include <array>
 #include <chrono>
 #include <optional>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/read_until.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/this_coro.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -28,6 +28,7 @@ using tmcl::client::Error;
 using tmcl::client::ErrorKind;
 
 constexpr auto greeting_timeout = std::chrono::seconds(3);
+constexpr std::size_t read_bytes = 4096;
 
 Error link_error(std::string_view name, tmcl::Outcome outcome, std::string message,
                  std::string hint = {}) {
@@ -132,16 +133,26 @@ awaitable<Result<json::object>> GatewayLink::call(std::string_view method, json:
 }
 
 awaitable<void> GatewayLink::read(std::shared_ptr<GatewayLink> self) {
-  std::string received;
+  std::array<char, read_bytes> bytes;
+  std::string line;
   while (!self->lost_) {
     boost::system::error_code error;
-    const auto count = co_await boost::asio::async_read_until(
-        self->socket_, boost::asio::dynamic_buffer(received, tmcl::client::max_line_bytes), '\n',
-        redirect_error(use_awaitable, error));
-    if (error || !self->take(std::string_view(received).substr(0, count - 1))) break;
-    received.erase(0, count);
+    const auto count = co_await self->socket_.async_read_some(boost::asio::buffer(bytes),
+                                                              redirect_error(use_awaitable, error));
+    if (error || !self->take_lines(line, std::string_view(bytes.data(), count))) break;
   }
   self->close();
+}
+
+bool GatewayLink::take_lines(std::string& begun, std::string_view bytes) {
+  for (auto end = bytes.find('\n'); end != bytes.npos && !lost_; end = bytes.find('\n')) {
+    begun += bytes.substr(0, end);
+    if (!take(begun)) return false;
+    begun.clear();
+    bytes.remove_prefix(end + 1);
+  }
+  begun += bytes;
+  return begun.size() <= tmcl::client::max_line_bytes;
 }
 
 awaitable<void> GatewayLink::write(std::shared_ptr<GatewayLink> self) {

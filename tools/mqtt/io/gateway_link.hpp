@@ -51,6 +51,8 @@ class GatewayLink : public std::enable_shared_from_this<GatewayLink> {
   static boost::asio::awaitable<void> read(std::shared_ptr<GatewayLink> self);
   static boost::asio::awaitable<void> write(std::shared_ptr<GatewayLink> self);
 
+  /// `begun`: what came of a line before. False if it is too long, or as take().
+  bool take_lines(std::string& begun, std::string_view bytes);
   /// False if it is no message of tmcld's.
   bool take(std::string_view line);
   bool take_greeting(const boost::json::object& params);
