@@ -73,6 +73,17 @@ TEST_F(MqttAxisNews, TellsAStateWhenSomethingElseHasChangedThanThePlaceOnTheWay)
   EXPECT_THAT(hear(state_at(5001)), ElementsAre(of_state)) << "it was told where it is";
 }
 
+TEST_F(MqttAxisNews, LeavesOutWhatIsNotToldAnyMore) {
+  auto state = state_at(0);
+  state["unit"] = "mm";
+  EXPECT_THAT(hear(state), ElementsAre(of_state));
+  const auto told = news.hear(state_at(0), now);
+  ASSERT_THAT(told, SizeIs(1));
+  const auto text = json::parse(told[0].payload).as_object();
+  EXPECT_FALSE(text.contains("unit"));
+  EXPECT_TRUE(text.contains("axis") && text.contains("target_microsteps"));
+}
+
 TEST_F(MqttAxisNews, TellsTelemetryTwiceASecondWhileItIsWanted) {
   hear(state_at(0, true));
   EXPECT_THAT(hear(state_at(1, true)), IsEmpty());

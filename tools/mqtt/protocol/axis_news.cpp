@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "tmcl/json_text.hpp"
 
@@ -17,11 +18,8 @@ constexpr std::array<std::string_view, 6> of_moving{
     "position_microsteps", "velocity_internal", "velocity_pps", "position", "velocity",
     "position_reached"};
 
-json::object lasting_part(const json::object& told) {
-  json::object state;
-  for (const auto& [name, value] : told)
-    if (std::ranges::count(of_the_telling, std::string_view(name)) == 0) state.emplace(name, value);
-  return state;
+bool is_one_of(std::span<const std::string_view> names, std::string_view name) {
+  return std::ranges::find(names, name) != names.end();
 }
 
 bool is_moving(const json::object& state) {
@@ -29,15 +27,31 @@ bool is_moving(const json::object& state) {
   return moving != nullptr && moving->is_bool() && moving->get_bool();
 }
 
-/// Something else than where it is on its way.
-bool is_news(const json::object& before, const json::object& after) {
-  if (!is_moving(after)) return before != after;
-  const auto differs = [&](const auto& one) {
-    if (std::ranges::count(of_moving, std::string_view(one.key())) != 0) return false;
-    const auto* old = before.if_contains(one.key());
-    return old == nullptr || *old != one.value();
-  };
-  return std::ranges::any_of(after, differs);
+struct Change {
+  bool any = false;
+  bool is_news = false;  ///< Something else than where it is on its way.
+};
+
+/// Brings what is known of an axis to what lasts of that which is told.
+Change take_over(const json::object& told, json::object& state) {
+  bool is_more = false;
+  bool any = false;
+  std::size_t lasting = 0;
+  for (const auto& [key, value] : told) {
+    const std::string_view name(key.data(), key.size());
+    if (is_one_of(of_the_telling, name)) continue;
+    ++lasting;
+    auto* known = state.if_contains(key);
+    if (known != nullptr && *known == value) continue;
+    any = true;
+    is_more = is_more || !is_one_of(of_moving, name);
+    if (known != nullptr) *known = value;
+    if (known == nullptr) state.emplace(key, value);
+  }
+  any = any || state.size() != lasting;
+  for (auto one = state.begin(); state.size() != lasting;)
+    one = told.contains(one->key()) ? one + 1 : state.stable_erase(one);
+  return {any, is_moving(state) ? is_more : any};
 }
 
 std::string telemetry_text(const json::object& state) {
@@ -82,11 +96,9 @@ std::vector<Publication> AxisNews::hear(const json::object& told, tmcl::TimePoin
   if (name == nullptr || !name->is_string()) return news;
   const std::string axis(name->get_string());
   auto& known = axes_[axis];
-  auto state = lasting_part(told);
-  const bool changed = is_news(known.state, state);
-  known.is_untold_telemetry = known.is_untold_telemetry || known.state != state;
-  known.state = std::move(state);
-  if (changed) news.push_back(state_of(axis, known, now));
+  const auto change = take_over(told, known.state);
+  known.is_untold_telemetry = known.is_untold_telemetry || change.any;
+  if (change.is_news) news.push_back(state_of(axis, known, now));
   add_telemetry(axis, known, now, news);
   return news;
 }
