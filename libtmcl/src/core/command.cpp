@@ -461,10 +461,21 @@ constexpr bool have_rows(std::index_sequence<numbers...>) {
 }
 static_assert(have_rows(std::make_index_sequence<256>()), "a command has no row");
 
+/// Where the types of each command begin among all; those of the next one end them. Most commands
+/// have none, and this is asked several times for each exchange.
+constexpr auto first_subtypes = [] {
+  std::array<std::uint16_t, places.size() + 1> all{};
+  for (const auto& row : subtypes) ++all[static_cast<std::uint8_t>(row.command) + 1U];
+  for (std::size_t i = 1; i < all.size(); ++i) all[i] += all[i - 1];
+  return all;
+}();
+
 const SubtypeInfo* find_subtype(Command command, std::uint8_t type) {
-  const auto key = key_of(command, type);
-  const auto* row = std::ranges::lower_bound(subtypes, key, {}, key_of_row);
-  return row != subtypes.end() && key_of_row(*row) == key ? row : nullptr;
+  const auto number = static_cast<std::uint8_t>(command);
+  const auto* end = subtypes.data() + first_subtypes[number + 1U];
+  const auto* row = std::ranges::lower_bound(subtypes.data() + first_subtypes[number], end, type,
+                                             {}, &SubtypeInfo::type);
+  return row != end && row->type == type ? row : nullptr;
 }
 
 }  // namespace
