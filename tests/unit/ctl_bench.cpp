@@ -21,6 +21,7 @@
 #include "sim/ports/scheduler.hpp"
 #include "sim/ports/socket_port.hpp"
 #include "support/no_events.hpp"
+#include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/virtual_time.hpp"
 
@@ -89,7 +90,7 @@ class CtlBench::World final : public FakeHost, public std::enable_shared_from_th
  public:
   World(std::string toml, const char* model) : toml_(std::move(toml)) {
     std::signal(SIGPIPE, SIG_IGN);
-    add(*tmcl::find_model(model), 1);
+    add(model, 1);
   }
   ~World() override { close(); }
 
@@ -101,8 +102,8 @@ class CtlBench::World final : public FakeHost, public std::enable_shared_from_th
     if (signal() == 0 && now() < until) time_.run_until(std::min(until, signal_time()));
   }
 
-  sim::Module& add(const tmcl::Model& model, std::uint8_t address) {
-    auto& module = table_.add(model, tmcl::ModuleAddress{address});
+  sim::Module& add(std::string_view model, std::uint8_t address) {
+    auto& module = table_.add(*tmcl::find_model(model), tmcl::ModuleAddress{address});
     modules_[address] = &module;
     return module;
   }
@@ -305,10 +306,6 @@ std::vector<std::string> CtlBench::calls_of(std::string_view method) const {
 sim::Module& CtlBench::module(std::uint8_t address) { return world_->module(address); }
 
 sim::Module& CtlBench::add(const char* model, std::uint8_t address) {
-  return world_->add(*tmcl::find_model(model), address);
-}
-
-sim::Module& CtlBench::add(const tmcl::Model& model, std::uint8_t address) {
   return world_->add(model, address);
 }
 

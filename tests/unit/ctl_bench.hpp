@@ -15,12 +15,9 @@
 #include "tmcl/command.hpp"
 #include "unit/ctl_host.hpp"
 
-namespace tmcl {
-struct Model;
-namespace sim {
+namespace tmcl::sim {
 class Module;
 }
-}  // namespace tmcl
 
 namespace tmclctl::test {
 
@@ -66,8 +63,6 @@ class CtlBench {
   // ---- the modules
   tmcl::sim::Module& module(std::uint8_t address = 1);
   tmcl::sim::Module& add(const char* model, std::uint8_t address);
-  /// The model must outlive the bench.
-  tmcl::sim::Module& add(const tmcl::Model& model, std::uint8_t address);
   /// A command over another line, at once; what it answers. Throws if the module refuses it.
   std::int32_t execute(tmcl::Command command, std::uint8_t type, std::uint8_t motor,
                        std::int32_t value, std::uint8_t address = 1);
