@@ -15,6 +15,7 @@
 #include "async/wake.hpp"
 #include "io/bridge.hpp"
 #include "support/temp_path.hpp"
+#include "tmcl/api/system.hpp"
 #include "tmcl/virtual_time.hpp"
 
 namespace tmclmqtt {
@@ -57,9 +58,15 @@ class SlowTmcld {
   void take(const json::object& request) {
     const auto& id = request.at("id");
     if (request.at("method") != "system.stop_all")
-      return say({{"id", id}, {"result", {{"methods", json::array()}, {"axes", json::array()}}}});
+      return say({{"id", id}, {"result", {{"methods", {moves()}}, {"axes", json::array()}}}});
     ++stops_;
     is_slow_ ? held_.push_back(id) : answer_stop(id);
+  }
+  static json::object moves() {
+    tmcl::api::rpc::MethodInfo method;
+    method.name = "axis.move_to";
+    method.effect = "moves";
+    return tmcl::api::to_json(method);
   }
   void answer_stop(const json::value& id) {
     say({{"id", id}, {"result", {{"stopped", json::array()}, {"failed", json::array()}}}});
@@ -133,7 +140,7 @@ class MqttStopFlood : public testing::Test {
     return std::make_shared<Bridge>(context.get_executor(), config, std::move(parts));
   }
   boost::asio::awaitable<Connected> connect(std::string client, Broker::OnMessage on_message) {
-    if (client.ends_with("-stop")) say = std::move(on_message);
+    (client.ends_with("-stop") ? say : call) = std::move(on_message);
     std::shared_ptr<Broker> broker =
         std::make_shared<OpenBroker>(context.get_executor(), published);
     co_return broker;
@@ -146,6 +153,15 @@ class MqttStopFlood : public testing::Test {
     for (; times > 0; --times) say(message);
     time.run_for(milliseconds(10));
   }
+  json::object answer_to_call(const std::string& method, const json::object& said) {
+    Message message;
+    message.topic = "tmcl/v1/hall/call/operate/anna/" + method;
+    message.payload = json::serialize(said);
+    message.response_topic = "tmcl/v1/reply/anna/hall/call";
+    call(message);
+    time.run_for(milliseconds(10));
+    return json::parse(published.back().payload).as_object();
+  }
   std::ptrdiff_t answers(const std::string& correlation) const {
     return std::ranges::count(published, correlation, &Publication::correlation);
   }
@@ -156,6 +172,7 @@ class MqttStopFlood : public testing::Test {
   SlowTmcld tmcld{context, socket};
   std::vector<Publication> published;
   Broker::OnMessage say;
+  Broker::OnMessage call;
   std::shared_ptr<Bridge> bridge = make_bridge();
 };
 
@@ -173,6 +190,17 @@ TEST_F(MqttStopFlood, GoesOutAsOneStopAndOneAnswerForEachSender) {
   EXPECT_EQ(answers("other"), 1);
   const auto answer = json::parse(published.back().payload).as_object();
   EXPECT_TRUE(answer.contains("result") && answer.contains("epoch")) << published.back().payload;
+}
+
+TEST_F(MqttStopFlood, KeepsNoStopBackThatComesBehindAMove) {
+  stop(9, "first");
+  EXPECT_EQ(tmcld.stops(), 8);
+  const auto permit = answer_to_call("nonce", {});
+  answer_to_call(
+      "axis.move_to",
+      {{"params", {{"axis", "x"}}}, {"epoch", permit.at("epoch")}, {"nonce", permit.at("nonce")}});
+  stop(9, "again");
+  EXPECT_EQ(tmcld.stops(), 9);
 }
 
 }  // namespace

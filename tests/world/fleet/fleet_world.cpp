@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <boost/asio/post.hpp>
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 
@@ -736,7 +737,7 @@ void FleetWorld::break_something(Random& random) {
     default:
       drops_noted_ = now();
       note("tmcld cuts its clients off");
-      server_->close_sessions();
+      boost::asio::post(gateway_program_.context, [server = server_] { server->close_sessions(); });
   }
 }
 

@@ -127,6 +127,20 @@ TEST_F(StopLink, IsAnotherOneWhileTheBridgeWaitsBeforeItConnectsAgain) {
   EXPECT_TRUE(is_answered_with("result"));
 }
 
+TEST_F(StopLink, IsOneMoreWhenTheOtherIsCutAtAnyOfItsSteps) {
+  for (int turns = 0; turns < 40; ++turns) {
+    published.clear();
+    server->close_sessions();
+    stop();
+    context.restart();
+    for (int turn = 0; turn < turns; ++turn) context.poll_one();
+    server->close_sessions();
+    time.run_for(milliseconds(100));
+    EXPECT_TRUE(is_answered_with("result")) << "cut after " << turns << " turns";
+    time.run_for(milliseconds(3'000));
+  }
+}
+
 TEST_F(StopLink, IsNoneWithoutTmcld) {
   server->stop_accepting();
   std::filesystem::remove(socket);

@@ -37,6 +37,11 @@ constexpr int most_replaced_births = 2;
 // More of them at a time cost a gateway that is late more time, and stop nothing sooner: those that
 // come meanwhile go out as one.
 constexpr int most_stops_in_progress = 8;
+// One behind a call that may move something overtakes that, so it does not wait. tmcld takes 64 of
+// a connection.
+constexpr int most_stops_behind_calls = 48;
+// tmcld may cut off the other links, too.
+constexpr int most_links_for_a_stop = 3;
 // Those beyond are carried out with them, without an answer.
 constexpr std::size_t most_waiting_stops = 4096;
 
@@ -107,6 +112,16 @@ Error no_gateway() {
   return {std::string(tmcl::client::error_name::unreachable), ErrorKind::failed,
           tmcl::Outcome::not_sent, "tmcld is not there",
           "'tmclctl doctor' on the gateway says why"};
+}
+
+awaitable<Result<json::object>> stop_over_new_link(std::string socket) {
+  auto opening = GatewayLink::open(std::move(socket), nullptr);
+  const auto opened = co_await std::move(opening);
+  if (!opened) co_return tl::unexpected(no_gateway());
+  auto asking = (*opened)->call(api::system::StopAll::method.name, json::object());
+  auto result = co_await std::move(asking);
+  (*opened)->close();
+  co_return result;
 }
 
 bool is_of_broken_link(const Error& error) {
@@ -444,6 +459,8 @@ void Bridge::carry_out(Line& line, Judged judged, tmcl::TimePoint now) {
   // A stop is carried out all the same, in this program's own name.
   if (call->effect == tmcl::Effect::stops && !users_->has_room_for(*call) && gateway_)
     return gateway_->call(call->method, std::move(call->params), std::move(on_answer));
+  if (call->effect == tmcl::Effect::moves || call->effect == tmcl::Effect::writes)
+    has_acted_since_stop_ = true;
   users_->call(std::move(*call), now, std::move(on_answer));
 }
 
@@ -455,7 +472,9 @@ void Bridge::stop_axes(Line& line, const std::optional<ReplyTo>& reply) {
 }
 
 void Bridge::send_stops() {
-  if (waiting_stops_.empty() || stops_in_progress_ >= most_stops_in_progress) return;
+  const int most = has_acted_since_stop_ ? most_stops_behind_calls : most_stops_in_progress;
+  if (waiting_stops_.empty() || stops_in_progress_ >= most) return;
+  has_acted_since_stop_ = false;
   auto stops = std::exchange(waiting_stops_, {});
   ++stops_in_progress_;
   if (!gateway_) return stop_by_another_link(std::move(stops));
@@ -474,13 +493,12 @@ void Bridge::stop_by_another_link(Stops stops) {
 }
 
 awaitable<void> Bridge::stop_anew(std::shared_ptr<Bridge> self, Stops stops) {
-  auto opening = GatewayLink::open(self->config_.socket, nullptr);
-  const auto opened = co_await std::move(opening);
   Result<json::object> result = tl::unexpected(no_gateway());
-  if (opened) {
-    auto asking = (*opened)->call(api::system::StopAll::method.name, json::object());
-    result = co_await std::move(asking);
-    (*opened)->close();
+  for (int links = most_links_for_a_stop; links > 0; --links) {
+    auto stopping = stop_over_new_link(self->config_.socket);
+    result = co_await std::move(stopping);
+    const bool is_cut = !result && result.error().name == tmcl::client::error_name::lost;
+    if (!is_cut || self->stopping_) break;
   }
   self->end_stops(stops, result);
 }

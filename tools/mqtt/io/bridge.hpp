@@ -130,6 +130,7 @@ class Bridge : public std::enable_shared_from_this<Bridge> {
   int replaced_births_ = 0;     ///< Since the connection to the broker is there.
   Stops waiting_stops_;
   int stops_in_progress_ = 0;
+  bool has_acted_since_stop_ = false;  ///< A user, by a call that went to tmcld.
   bool connecting_ = false;
   bool stopping_ = false;
 };
