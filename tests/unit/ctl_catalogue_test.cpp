@@ -2,9 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "unit/ctl_bench.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl {
 namespace {

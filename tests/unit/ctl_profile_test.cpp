@@ -15,12 +15,12 @@
 #include <fmt/format.h>
 
 #include "command_line/options.hpp"
-#include "unit/ctl_bench.hpp"
 #include "profile/player.hpp"
 #include "profile/setup.hpp"
 #include "support/build_paths.hpp"
 #include "support/seed.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::profile {
 namespace {

@@ -6,8 +6,8 @@
 #include <fstream>
 
 #include "command_line/options.hpp"
-#include "unit/ctl_bench.hpp"
 #include "support/build_paths.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl {
 namespace {

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "command_line/options.hpp"
-#include "unit/ctl_bench.hpp"
 #include "profile/known_values.hpp"
 #include "tmcl/plan/profile.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::profile {
 namespace {
