@@ -21,7 +21,7 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
-using Kind = DriveCommand::Kind;
+using CommandKind = DriveCommand::Kind;
 using FaultKind = DriveFault::Kind;
 using Bench = test::StreamBench;
 using Random = tmcl::test::Random<>;
@@ -109,8 +109,8 @@ class Hurry {
   }
   void note(const DriveCommand& command) {
     const bool is_speed =
-        command.kind == Kind::rotate ||
-        (command.kind == Kind::set &&
+        command.kind == CommandKind::rotate ||
+        (command.kind == CommandKind::set &&
          (command.parameter == test::ap::max_velocity || command.parameter == stop_velocity));
     if (is_speed && is_passing())
       speeds_.told = std::max(speeds_.told, part_of_limit(command.value));
