@@ -61,6 +61,26 @@ Passed pass(std::uint16_t model, const path_file::Path& path, StreamMode mode,
   return passed;
 }
 
+// Such an axis would stay behind by as much as is allowed, and then brake for long.
+TEST(StreamSegments, NoAxisSetsOutThatHasLessAccelerationThanThePathNeeds) {
+  constexpr double planned = 500, too_little = 454, enough = 455;  // and a tenth
+  const auto pass_with = [](double own) {
+    Bench bench;
+    bench.limit(24, planned);
+    const auto pps2 = static_cast<std::int32_t>(own * test::microsteps_per_mm);
+    EXPECT_TRUE(bench.ask(Command::SAP, test::ap::max_acceleration, 1, pps2));
+    const auto report = bench.pass(line(), StreamMode::segments);
+    EXPECT_EQ(bench.mm(0), report.fault ? 0 : 50);
+    return report;
+  };
+  const auto report = pass_with(too_little);
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, DriveFault::Kind::unsuited);
+  EXPECT_EQ(report.fault->axis, 1U);
+  EXPECT_EQ(report.fault->message, "has an acceleration of 454, and the path was planned with 500");
+  EXPECT_FALSE(pass_with(enough).fault);
+}
+
 // t1: the speed and how to get there; t3: the speed at the end, and how.
 TEST(StreamSegments, ALineIsTwoUpdates) {
   Bench bench;

@@ -35,6 +35,7 @@ class SegmentRunner final : public GuidedRunner {
   bool turns(std::size_t axis, double speed) const;
   double slope_now(std::size_t axis, double speed) const;
   double braking_needed(std::size_t axis, const SegmentSpan& span, double speed) const;
+  Fault objection_to_slope(std::size_t axis) const;
   double own_slope(std::size_t axis) const;
   double least_slope(std::size_t axis, const SegmentSpan& span, double speed) const;
   double greatest_slope(std::size_t axis, bool smooth) const;

@@ -32,6 +32,7 @@ StreamScript SegmentRunner::prepare() {
       auto unknown = co_await know(axis, parameter);
       if (unknown) co_return unknown;
     }
+    if (auto wrong = objection_to_slope(axis)) co_return wrong;
     auto refused = co_await prepare_ramp(axis);
     if (refused) co_return refused;
   }

@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "motion/drive/ramp_legs.hpp"
 #include "motion/drive/segment_runner.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -26,6 +29,16 @@ double SegmentRunner::own_slope(std::size_t axis) const {
   for (const auto parameter : guidance_of(axes_[axis].family).accelerations)
     own = std::min(own, acceleration_of(axis, settings_[axis].before(parameter)));
   return own;
+}
+
+// Where the course is smooth it would stay behind on each ramp, and brake as slowly.
+SegmentRunner::Fault SegmentRunner::objection_to_slope(std::size_t axis) const {
+  const double own = own_slope(axis) / std::abs(axes_[axis].microsteps_per_unit);
+  const double planned = course_.limits().axis[axis].acceleration;
+  if (planned <= spare_slope * own) return std::nullopt;
+  return fault(DriveFault::Kind::unsuited, axis,
+               fmt::format("has an acceleration of {}, and the path was planned with {}",
+                           plain_number(own, 4), plain_number(planned, 4)));
 }
 
 double SegmentRunner::greatest_slope(std::size_t axis, bool smooth) const {
