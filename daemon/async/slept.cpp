@@ -23,7 +23,9 @@ tmcl::Duration slept(const boost::asio::any_io_executor& executor) {
   if (boost::asio::has_service<VirtualSleep>(context))
     return boost::asio::use_service<VirtualSleep>(context).slept;
   if (boost::asio::has_service<tmcl::detail::VirtualTimeline>(context)) return {};
-  return read(CLOCK_BOOTTIME) - read(CLOCK_MONOTONIC);
+  // In this order, a process that is held up between the two has slept too long, not too little.
+  const auto awake = read(CLOCK_MONOTONIC);
+  return read(CLOCK_BOOTTIME) - awake;
 }
 
 }  // namespace tmcld
