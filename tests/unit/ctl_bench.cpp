@@ -29,10 +29,6 @@ namespace tmclctl::test {
 
 namespace sim = tmcl::sim;
 
-const std::string bench_of_ctl = "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/none@115200\"\n";
-const std::string plain_axis = bench_of_ctl + axis_section("x", 1);
-const std::string axis_in_mm = plain_axis + "unit = \"mm\"\nunits_per_revolution = 5\n";
-
 std::string axis_section(const std::string& name, int address, int motor, const std::string& more) {
   return fmt::format("[[axis]]\nname = \"{}\"\nbus = \"bench\"\naddress = {}\nmotor = {}\n{}", name,
                      address, motor, more);

@@ -21,15 +21,18 @@ class Module;
 
 namespace tmclctl::test {
 
-/// Of the bus "bench": a serial line.
-extern const std::string bench_of_ctl;
-/// Axis "x" is the motor of module 1, without a unit.
-extern const std::string plain_axis;
-/// The same, whose unit is a mm of 10240 microsteps.
-extern const std::string axis_in_mm;
-/// On that bus; `more` are further lines.
+/// On the bus "bench"; `more` are further lines.
 std::string axis_section(const std::string& name, int address, int motor = 0,
                          const std::string& more = {});
+
+// Inline: other sources make constants of them.
+/// Of the bus "bench": a serial line.
+inline const std::string bench_of_ctl =
+    "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/none@115200\"\n";
+/// Axis "x" is the motor of module 1, without a unit.
+inline const std::string plain_axis = bench_of_ctl + axis_section("x", 1);
+/// The same, whose unit is a mm of 10240 microsteps.
+inline const std::string axis_in_mm = plain_axis + "unit = \"mm\"\nunits_per_revolution = 5\n";
 
 /// On its serial lines are a TMCM-1110 with address 1, and what the test adds. It is opened by the
 /// first call: a verb that asks no gateway costs nothing.

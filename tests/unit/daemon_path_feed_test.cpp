@@ -1,4 +1,5 @@
 // Paths that the daemon passes, slowed down, sped up and held by its clients.
+#include "tmcl/plan/path_preparation.hpp"
 #include "unit/daemon_path_fixture.hpp"
 
 namespace tmcld::test {
@@ -118,7 +119,8 @@ TEST_F(DaemonPathFeed, WhatIsAskedForIsToldApartFromWhatThereIs) {
   const auto fast = status();
   EXPECT_EQ(number(fast, "factor"), 2);
   // x makes 2 of sqrt(5) parts of the speed.
-  EXPECT_NEAR(number(fast, "factor_now"), 1.5 * std::sqrt(5.0) / 2, 0.001);
+  const double of_limit = 1 - tmcl::plan::spare_velocity;
+  EXPECT_NEAR(number(fast, "factor_now"), of_limit * 1.5 * std::sqrt(5.0) / 2, 0.001);
   EXPECT_TRUE(client->answer_to(id).contains("result"));
   EXPECT_EQ(mm(0), 0);
   expect_rest_and_own_settings();
