@@ -5,6 +5,7 @@
 
 #include "async/slept.hpp"
 #include "async/spawn.hpp"
+#include "gateway/axis/poller.hpp"
 #include "gateway/journey/awaited_run.hpp"
 #include "gateway/journey/search_watch.hpp"
 #include "gateway/module/settings_guard.hpp"
