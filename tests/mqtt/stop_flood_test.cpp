@@ -12,8 +12,8 @@
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 
-#include "async/wake.hpp"
 #include "io/bridge.hpp"
+#include "support/quiet_broker.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/virtual_time.hpp"
@@ -84,32 +84,6 @@ class SlowTmcld {
   int stops_ = 0;
 };
 
-/// Takes everything, and is there until it is left.
-class OpenBroker final : public Broker {
- public:
-  OpenBroker(const boost::asio::any_io_executor& executor, std::vector<Publication>& published)
-      : ended_(executor), published_(published) {}
-  void subscribe(const Subscribed& /*to*/) override {}
-  Sent publish(const Publication& publication) override {
-    published_.push_back(publication);
-    return Sent::yes;
-  }
-  bool has_room() const override { return true; }
-  boost::asio::awaitable<std::string> end() override {
-    while (!has_ended_) co_await ended_.wait();
-    co_return std::string("ended");
-  }
-  void disconnect() override {
-    has_ended_ = true;
-    ended_.notify();
-  }
-
- private:
-  tmcld::Wake ended_;
-  bool has_ended_ = false;
-  std::vector<Publication>& published_;
-};
-
 class MqttStopFlood : public testing::Test {
  protected:
   MqttStopFlood() {
@@ -142,7 +116,7 @@ class MqttStopFlood : public testing::Test {
   boost::asio::awaitable<Connected> connect(std::string client, Broker::OnMessage on_message) {
     (client.ends_with("-stop") ? say : call) = std::move(on_message);
     std::shared_ptr<Broker> broker =
-        std::make_shared<OpenBroker>(context.get_executor(), published);
+        std::make_shared<test::QuietBroker>(context.get_executor(), published);
     co_return broker;
   }
   void stop(int times, const std::string& correlation) {

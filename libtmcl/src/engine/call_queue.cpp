@@ -55,7 +55,7 @@ void CallQueue::put_back(Call call) {
 
 // Of calls that wait at the same time none is known to be first: so a read may be joined by
 // a later one, and a stop goes out before every movement that could lie between. A stop that went
-// out before may be lost, and at its last try.
+// out before may have been lost, or be at its last try.
 bool CallQueue::join(const Call& newcomer) {
   const auto kind = kind_of(newcomer);
   if (kind == 1 || !has_defaults(newcomer.options)) return false;

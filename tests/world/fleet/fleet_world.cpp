@@ -725,7 +725,7 @@ void FleetWorld::break_something(Random& random) {
       freeze_at_call_ = [this, &program, turns, time] { programs_.freeze(program, turns, time); };
       return;
     }
-    case 15: {  // Likewise.
+    case 15: {  // With a call on its way, too.
       note("the computer will sleep at a call");
       const auto turns_of_gateway = static_cast<int>(random.between(0, 12));
       freeze_at_call_ = [this, turns, turns_of_gateway, long_time = time + seconds(5)] {

@@ -137,12 +137,11 @@ class FrozenWithACall : public testing::TestWithParam<std::tuple<Still, FrozenCa
 TEST_P(FrozenWithACall, MovesNothingAfterwards) {
   const auto& [how, call] = GetParam();
   int turns = 0;
-  for (bool is_done = false; !is_done && turns < most_turns; ++turns) {
+  for (; turns < most_turns; ++turns) {
     FrozenScene scene;
     scene.call(call);
     for (int turn = 0; turn < turns; ++turn) scene.turn();
-    is_done = scene.has_answered();
-    if (is_done) {
+    if (scene.has_answered()) {
       EXPECT_GT(scene.moved(), 0) << scene.answer();
       break;
     }

@@ -7,12 +7,12 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/json/parse.hpp>
 
-#include "async/wake.hpp"
 #include "config/load.hpp"
 #include "fronts/socket_file.hpp"
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
 #include "io/bridge.hpp"
+#include "support/quiet_broker.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/virtual_time.hpp"
 
@@ -21,32 +21,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using tmclmqtt::Publication;
-
-/// Takes everything, and is never lost.
-class QuietBroker final : public tmclmqtt::Broker {
- public:
-  QuietBroker(const boost::asio::any_io_executor& executor, std::vector<Publication>& published)
-      : ended_(executor), published_(published) {}
-  void subscribe(const tmclmqtt::Subscribed& /*to*/) override {}
-  Sent publish(const Publication& publication) override {
-    published_.push_back(publication);
-    return Sent::yes;
-  }
-  bool has_room() const override { return true; }
-  boost::asio::awaitable<std::string> end() override {
-    while (!has_ended_) co_await ended_.wait();
-    co_return std::string("ended");
-  }
-  void disconnect() override {
-    has_ended_ = true;
-    ended_.notify();
-  }
-
- private:
-  Wake ended_;
-  bool has_ended_ = false;
-  std::vector<Publication>& published_;
-};
 
 class StopLink : public testing::Test {
  protected:
@@ -84,7 +58,7 @@ class StopLink : public testing::Test {
                                                       tmclmqtt::Broker::OnMessage on_message) {
     if (client.ends_with("-stop")) say = std::move(on_message);
     std::shared_ptr<tmclmqtt::Broker> broker =
-        std::make_shared<QuietBroker>(context.get_executor(), published);
+        std::make_shared<tmclmqtt::test::QuietBroker>(context.get_executor(), published);
     co_return broker;
   }
   void stop() {

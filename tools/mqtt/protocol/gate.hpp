@@ -90,7 +90,7 @@ class Gate {
   bool is_stale(tmcl::TimePoint judged) const { return gaps_.is_stale(judged); }
   Error stale_call() const;
 
-  /// When it has looked.
+  /// After look() with the same time.
   Judged judge(const Message& message, tmcl::TimePoint now);
   std::string give_nonce(std::string_view user, tmcl::TimePoint now) {
     return nonces_.give(user, now);
