@@ -246,7 +246,7 @@ Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_nam
   auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
                   cast = std::move(cast), look = std::move(look)]() mutable {
     const auto letters = source.path.axes;
-    auto limits = limits_of(known);
+    auto limits = limits_of(source, known);
     const auto counted =
         from_where_axes_stand(std::move(source), *text, known, request)
             .and_then([&](auto from_there) { return by_steps(std::move(from_there), known); });

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "api/path_rehearsal.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 #include "unit/journey_bench.hpp"
@@ -357,6 +360,46 @@ TEST_F(DaemonPathPlan, AStopOnTheWayToTheStartStopsAll) {
   EXPECT_LT(mm("x"), 300);
   EXPECT_EQ(bench.get("x", 3), 0);
   EXPECT_EQ(bench.get("y", 3), 0);
+}
+
+// A plan keeps less of its path than planning has read.
+TEST_F(DaemonPathPlan, EveryKindOfPathIsRunAsItWasPlanned) {
+  const std::string timed = "t,x,y\n0,0,0\n2,1,1\n4,2,2\n";
+  const std::vector<std::string> by_legs{"velocity", "segments", "position"};
+  const std::vector<std::string> by_time{"velocity"};
+  struct Kind {
+    std::string text;
+    json::object more;
+    std::vector<std::string> modes;
+  };
+  const Kind kinds[] = {
+      {timed, {}, by_time},
+      {timed, {{"velocity", 4}}, by_time},
+      {"x,y\n0,0\n2,2\n", {}, by_legs},
+      {"x,y,speed\n0,0,1\n2,2,1\n", {}, by_legs},
+      {"G1 X2 Y2 F600\n", {{"velocity", 4}, {"acceleration", 50}}, by_legs},
+      {"G2 X2 Y2 I1 J1 F600\n", {{"feed", 5}}, by_legs},
+      {"G1 X2 Y2 F600\n", {{"jerk", 500}}, by_time},
+      {"G1 X2 Y2 F600\n", {{"shaper", "zvd"}, {"resonance_hz", 12}}, by_time},
+  };
+  for (const auto& [text, more, modes] : kinds) {
+    for (const auto& mode : modes) {
+      SCOPED_TRACE(mode + ", " + json::serialize(more) + ", " + text);
+      auto wish = more;
+      wish["mode"] = mode;
+      wish["text"] = text;
+      const auto planned = bench.call("path.plan", std::move(wish));
+      ASSERT_TRUE(planned) << planned.error().message;
+      const auto ended = bench.call("path.run", run(*planned));
+      ASSERT_TRUE(ended) << ended.error().message;
+      EXPECT_NEAR(mm("x"), 2, 0.001);
+      EXPECT_NEAR(mm("y"), 2, 0.001);
+      for (const auto* axis : {"x", "y"}) {
+        ASSERT_TRUE(bench.call("axis.move_to", {{"axis", axis}, {"position", 0}}));
+        ASSERT_TRUE(bench.call("axis.wait", {{"axis", axis}}));
+      }
+    }
+  }
 }
 
 TEST_F(DaemonPathPlan, SettingsThatHaveChangedMakeAPlanUseless) {

@@ -5,7 +5,7 @@
 ///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
 ///     source = from_where_axes_stand(std::move(*source), text, axes, request);
 ///     source = by_steps(std::move(*source), axes);
-///     auto course = course_of(*source, limits_of(axes), *feed_of(axes), request.tolerance);
+///     auto course = course_of(*source, limits_of(*source, axes), *feed_of(axes), request.tolerance);
 ///     auto wrong = objection_to_reach(*course, axes);
 ///     PathStream stream(*course, streamed(axes), options_of(request));
 #pragma once
@@ -123,11 +123,9 @@ struct PathAxis {
   PathChoice choice;
   StreamAxis stream;  ///< Without a twin, which position mode needs.
   std::optional<SoftLimits> limits;
-  UserScale scale;   ///< What the limits are in.
-  ValueRange range;  ///< Of positions, in microsteps.
-  /// What its parameters and the request allow, in the file's units; of legs without times, less by
-  /// the spare part.
-  double velocity = 0;
+  UserScale scale;          ///< What the limits are in.
+  ValueRange range;         ///< Of positions, in microsteps.
+  double velocity = 0;      ///< What its parameters and the request allow, in the file's units.
   double acceleration = 0;  ///< What these allow of acceleration.
   double corner_jump = 0;   ///< What the configuration and the request allow; may be infinite.
   /// What the request allows along the path; infinite if nothing, or for an axis that goes along.
@@ -158,7 +156,8 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
 /// The same path by the steps of its axes, which their tables correct: what course_of() is about.
 PathResult<PathSource> by_steps(PathSource source, const std::vector<PathAxis>& axes);
 
-PathLimits limits_of(const std::vector<PathAxis>& axes);
+/// Legs leave a spare part of the velocity; a table with times says itself how fast it is.
+PathLimits limits_of(const PathSource& source, const std::vector<PathAxis>& axes);
 /// In the file's units. Objection: wrong_unit, if it is another in the units of each axis.
 PathResult<double> feed_of(const std::vector<PathAxis>& axes);
 /// For axes that can do what `limits` says; `limits` without a tolerance of corners. `feed` may be

@@ -282,7 +282,6 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   if (auto objection = heed(source, request, facts, axis))
     return tl::unexpected(std::move(*objection));
   axis.stream.greatest_velocity = fastest_within(axis.velocity, axis.stream);
-  if (!has_times(source.path)) axis.velocity = planned_within(axis.velocity, axis.stream);
   return axis;
 }
 
@@ -334,11 +333,14 @@ PathResult<PathSource> by_steps(PathSource source, const std::vector<PathAxis>& 
   return PathSource{source.format, *std::move(counted)};
 }
 
-PathLimits limits_of(const std::vector<PathAxis>& axes) {
+PathLimits limits_of(const PathSource& source, const std::vector<PathAxis>& axes) {
+  const bool timed = has_times(source.path);
   PathLimits limits;
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    limits.axis[i] = {axes[i].velocity, axes[i].acceleration, axes[i].corner_jump};
-    limits.jerk = std::min(limits.jerk, axes[i].jerk);
+    const auto& axis = axes[i];
+    const double velocity = timed ? axis.velocity : planned_within(axis.velocity, axis.stream);
+    limits.axis[i] = {velocity, axis.acceleration, axis.corner_jump};
+    limits.jerk = std::min(limits.jerk, axis.jerk);
   }
   return limits;
 }
