@@ -195,6 +195,24 @@ TEST(Tuning, ProposesABowWithWhichALoadThatSwingsStandsSooner) {
   tuned.expect_left_as_it_was();
 }
 
+// With a bow its chip uses 15/16 of the deceleration, which is set to more for that.
+TEST(Tuning, SetsNoDecelerationBeyondTheBoundsOfAnAxisWithABow) {
+  TunedModule tuned({.encoder = sim::EncoderSettings{10'000}}, "TMCM-142", 2);
+  const PulsesPerSecond2 bound{2000.0 * full_step};
+  tuned.options.max_current = 15;
+  tuned.options.greatest_velocity = PulsesPerSecond{400.0 * full_step};
+  tuned.options.greatest_acceleration = bound;
+  const auto most = to_internal(bound, *tuned.options.units.module).value().value;
+  ASSERT_LT(tuned.module.get(17), most) << "max_deceleration";
+  std::int32_t steepest = 0;
+  tuned.module.after_each = [&] { steepest = std::max(steepest, tuned.module.get(17)); };
+  const auto found = tuned.tune();
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->acceleration.limited_by, LimitedBy::bounds);
+  EXPECT_NEAR(found->acceleration.limit, bound.value * 15 / 16, 0.001 * bound.value);
+  EXPECT_LE(steepest, most);
+}
+
 TEST(Tuning, LeavesTheBowWhereNoLoadSwings) {
   TunedModule tuned({.encoder = sim::EncoderSettings{10'000}}, "TMCM-142", 2);
   tuned.options.max_current = 15;

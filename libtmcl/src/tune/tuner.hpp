@@ -70,6 +70,7 @@ class Tuner {
     return find_parameter(axis_parameters(model()), parameter) != nullptr;
   }
   const ParameterInfo* row_of(std::string_view name) const;
+  double greatest_acceleration() const;
   /// Nothing for what the module does not have.
   std::optional<plan::PlannedRamp> ramp_of(double velocity, double acceleration) const;
   std::optional<plan::PlannedRamp> ramp_for(Sought sought, double value) const;

@@ -75,8 +75,9 @@ Script<Result<void>> Tuner::begin() {
   range_ = {travel.least + kept, travel.greatest - kept};
   const auto& units = *options_.units.module;
   const double velocity = to_pps(InternalVelocity{present(ap::max_velocity)}, units).value;
+  const auto acceleration = present(plan::acceleration_parameter(model()));
   base_acceleration_ =
-      to_pps2(InternalAcceleration{present(plan::acceleration_parameter(model()))}, units).value;
+      std::min(to_pps2(InternalAcceleration{acceleration}, units).value, greatest_acceleration());
   const auto slow =
       ramp_of(std::min(slow_part * velocity, slow_full_steps * full_step_), base_acceleration_);
   if (!slow)
@@ -112,11 +113,17 @@ Script<Result<void>> Tuner::find_velocity() {
   co_return Result<void>{};
 }
 
+double Tuner::greatest_acceleration() const {
+  if (!options_.greatest_acceleration) return greatest_acceleration_full_steps * full_step_;
+  // The deceleration of a ramp with a bow is set to 16/15 of what it is.
+  const double part = has(tuned::max_bow) ? 15.0 / 16 : 1;
+  return part * options_.greatest_acceleration->value;
+}
+
 Script<Result<void>> Tuner::find_acceleration() {
   LimitSearch::Terms terms;
   terms.first = base_acceleration_;
-  terms.most = greatest_acceleration_full_steps * full_step_;
-  if (options_.greatest_acceleration) terms.most = options_.greatest_acceleration->value;
+  terms.most = greatest_acceleration();
   terms.first = std::min(terms.first, terms.most);
   terms.least = least_part * terms.first;
   const auto before = found_.trials.size();
