@@ -201,7 +201,7 @@ awaitable<void> FleetClient::stop_all() {
   auto next = began;
   while (!all_are_stopped() && clock_.now() - began < patience) {
     if (clock_.now() >= next) {
-      publish_stop();
+      publish_stops();
       next += stop_interval;
     }
     co_await tmcld::rest(std::chrono::milliseconds(1));
@@ -218,17 +218,25 @@ awaitable<void> FleetClient::stop_all() {
        {"rounds", stop_rounds_}});
 }
 
-void FleetClient::publish_stop() {
-  ++stop_rounds_;
-  broker_->publish({.topic = "tmcl/v1/all/stop",
+/// To all at first, then to those of which something is missing, as tmclctl does.
+void FleetClient::publish_stops() {
+  if (stop_rounds_++ == 0) return publish_stop("all");
+  for (const auto& [name, gateway] : gateways_)
+    if (!is_stopped(gateway)) publish_stop(name);
+}
+
+void FleetClient::publish_stop(std::string_view level) {
+  broker_->publish({.topic = fmt::format("tmcl/v1/{}/stop", level),
                     .qos = 1,
-                    .response_topic = fmt::format("tmcl/v1/reply/{}/all/stop", user)});
+                    .response_topic = fmt::format("tmcl/v1/reply/{}/{}/stop", user, level)});
+}
+
+bool FleetClient::is_stopped(const Gateway& gateway) {
+  return gateway.is_away || gateway.stopped.size() == axes_of_a_gateway;
 }
 
 bool FleetClient::all_are_stopped() const {
-  return std::ranges::all_of(gateways_, [](const auto& one) {
-    return one.second.is_away || one.second.stopped.size() == axes_of_a_gateway;
-  });
+  return std::ranges::all_of(gateways_, [](const auto& one) { return is_stopped(one.second); });
 }
 
 // ---- messages ----------------------------------------------------------------------------------

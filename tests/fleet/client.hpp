@@ -79,7 +79,9 @@ class FleetClient {
   void begin_move();
   void end_move_with(const Call& call, const boost::json::object& answer);
   void send(const Call& call, std::string_view method, std::string payload);
-  void publish_stop();
+  void publish_stops();
+  void publish_stop(std::string_view level);
+  static bool is_stopped(const Gateway& gateway);
   bool all_are_stopped() const;
   void say_measured() const;
 
