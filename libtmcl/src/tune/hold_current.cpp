@@ -45,7 +45,7 @@ Script<Result<bool>> Tuner::stands_with(std::int32_t current) {
   trial.velocity = back_.choice.velocity;
   trial.acceleration = back_.choice.acceleration;
   trial.current = current;
-  const auto way = encoded_->backlash() + full_steps_moved * full_step_;
+  const auto way = encoded_->backlash() + full_steps_moved * ramps_.full_step;
   const auto low = range_.least + room() / 2;
   const auto high = low + static_cast<std::int32_t>(std::min(way, room() / 4.0));
   const std::int32_t targets[] = {high, low};
@@ -56,7 +56,8 @@ Script<Result<bool>> Tuner::stands_with(std::int32_t current) {
     co_await must(watched_.set(plan::Setting{tuned::standby_current, options_.max_current}));
     trial.deviation = std::max(trial.deviation, slid);
     if (slid <= encoded_->tolerance_at_rest()) continue;
-    trial.trouble = fmt::format("it slid {:.1f} full steps while it stood", slid / full_step_);
+    trial.trouble =
+        fmt::format("it slid {:.1f} full steps while it stood", slid / ramps_.full_step);
     co_await must(recover(target == high, limit_of(back_, room())));
     break;
   }

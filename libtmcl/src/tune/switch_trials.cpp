@@ -21,12 +21,12 @@ Script<Result<void>> Tuner::calibrate_switch() {
   const auto all = options_.travel.greatest - options_.travel.least;
   co_await must(switched_->calibrate(options_.travel, limit_of(slow_, all)));
   away_ = switched_->away();
-  const auto clear = static_cast<std::int32_t>(clear_full_steps * full_step_);
+  const auto clear = static_cast<std::int32_t>(clear_full_steps * ramps_.full_step);
   (away_ > 0 ? range_.least : range_.greatest) = switched_->reference() + away_ * clear;
-  if (room() < least_room_full_steps * full_step_)
+  if (room() < least_room_full_steps * ramps_.full_step)
     co_return tl::unexpected(bad_argument(
         fmt::format("{} microsteps beside the switch are too short to tune by", room()),
-        fmt::format("it takes {:.0f} at least", least_room_full_steps * full_step_)));
+        fmt::format("it takes {:.0f} at least", least_room_full_steps * ramps_.full_step)));
   co_await must(go_slowly_to(base()));
   co_return Result<void>{};
 }
@@ -74,7 +74,7 @@ Script<Result<void>> Tuner::out_and_back(TuneTrial& trial, const plan::PlannedRa
     trial.deviation = std::max(trial.deviation, off);
     if (off > switched_->tolerance())
       trial.trouble = fmt::format("the switch closed {:.1f} full steps from where it should have",
-                                  off / full_step_);
+                                  off / ramps_.full_step);
   }
   trial.held = trial.trouble.empty();
   found_.lost_steps = found_.lost_steps || !trial.held;

@@ -12,60 +12,16 @@ namespace tmcl::verbs {
 namespace {
 
 namespace ap = axis_parameter;
-using namespace std::chrono_literals;
 
-/// How long a trial goes at full speed at least, in seconds.
-constexpr double cruise_s = 0.3;
-constexpr double full_steps_beyond = 8;
-constexpr Duration trial_grace = 2s;
 constexpr double full_speed_part = 0.98;
 /// A trial that failed is gone back from with this part of what has held.
 constexpr double back_part = 0.5;
 
-Duration duration_of(double seconds) {
-  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
-}
-
 }  // namespace
-
-std::int32_t Tuner::present(std::uint8_t parameter) const {
-  const auto found = std::ranges::find(options_.settings, parameter, &plan::Setting::parameter);
-  return found == options_.settings.end() ? 0 : found->value;
-}
-
-// ---- ramps ------------------------------------------------------------------------------------
-
-std::optional<plan::PlannedRamp> Tuner::ramp_of(double velocity, double acceleration) const {
-  const plan::RampWish wish{{velocity, "pps"}, {acceleration, "pps/s"}};
-  auto planned = plan::plan_ramp(wish, options_.units, present(tuned::max_bow));
-  if (!planned) return std::nullopt;
-  return std::move(*planned);
-}
-
-std::optional<plan::PlannedRamp> Tuner::ramp_for(Sought sought, double value) const {
-  switch (sought) {
-    case Sought::velocity: return ramp_of(value, base_acceleration_);
-    case Sought::acceleration: return ramp_of(found_.velocity.proposed, value);
-    case Sought::confirmation:
-      if (found_.bow) return bowed_ramp(found_.bow->value, options_.units);
-      [[fallthrough]];
-    default: return ramp_of(found_.velocity.proposed, found_.acceleration.proposed);
-  }
-}
 
 std::int32_t Tuner::current_for(Sought sought, double value) const {
   if (sought != Sought::current) return options_.max_current;
   return static_cast<std::int32_t>(std::ceil(options_.max_current / std::max(value, 1.0)));
-}
-
-std::int32_t Tuner::way_of(const plan::PlannedRamp& ramp) const {
-  const double way = 2 * ramp.ramp_up().microsteps + cruise_s * ramp.choice.velocity.value +
-                     full_steps_beyond * full_step_;
-  return static_cast<std::int32_t>(std::min<double>(std::ceil(way), INT32_MAX / 2));
-}
-
-Duration Tuner::limit_of(const plan::PlannedRamp& ramp, std::int32_t way) const {
-  return trial_grace + duration_of(2 * ramp.ramp_up().seconds + way / ramp.choice.velocity.value);
 }
 
 // A ramp that says nothing of a bow has the one that the axis has had.
@@ -103,7 +59,7 @@ Script<Result<void>> Tuner::recover(bool up, Duration limit) {
   co_await must(watched_.set(plan::Setting{tuned::max_current, options_.max_current}));
   co_await must(set_ramp(back_));
   const auto reserve =
-      static_cast<std::int32_t>(encoded_->backlash() + full_steps_beyond * full_step_);
+      static_cast<std::int32_t>(encoded_->backlash() + full_steps_beyond * ramps_.full_step);
   const auto target = std::min(range_.least + reserve, range_.greatest);
   const Lookout lookout{limit_of(back_, room() + 2 * reserve), std::nullopt};
   co_await must(encoded_->pass_to(target, lookout));
@@ -174,8 +130,8 @@ Script<Result<void>> Tuner::search(Sought sought, plan::LimitSearch& search) {
   beyond_bounds_ = false;
   beyond_travel_ = false;
   while (const auto value = search.next()) {
-    const auto ramp = ramp_for(sought, *value);
-    const bool is_too_long = ramp && way_of(*ramp) > room();
+    const auto ramp = ramps_.ramp_for(sought, *value);
+    const bool is_too_long = ramp && ramps_.way_of(*ramp) > room();
     if (!ramp || is_too_long) {
       beyond_bounds_ = beyond_bounds_ || !ramp;
       beyond_travel_ = beyond_travel_ || is_too_long;
@@ -183,10 +139,10 @@ Script<Result<void>> Tuner::search(Sought sought, plan::LimitSearch& search) {
       continue;
     }
     const auto held =
-        co_await must(trial(sought, *ramp, current_for(sought, *value), way_of(*ramp)));
+        co_await must(trial(sought, *ramp, current_for(sought, *value), ramps_.way_of(*ramp)));
     search.tried(*value, held);
     if (!held || sought != Sought::velocity) continue;
-    auto back = ramp_of(back_part * *value, base_acceleration_);
+    auto back = ramps_.ramp_of(back_part * *value, ramps_.base_acceleration);
     if (back && back->choice.velocity > slow_.choice.velocity) back_ = std::move(*back);
   }
   co_return Result<void>{};

@@ -4,26 +4,16 @@
 #include <optional>
 #include <string>
 
-#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/limit_search.hpp"
 #include "tmcl/plan/ramp_wish.hpp"
 #include "tmcl/plan/ring_down.hpp"
 #include "tmcl/tuning.hpp"
 #include "tune/encoded_axis.hpp"
 #include "tune/switched_axis.hpp"
+#include "tune/trial_ramps.hpp"
+#include "tune/tuned_parameters.hpp"
 
 namespace tmcl::verbs {
-
-/// The axis parameters that are set and read.
-namespace tuned {
-constexpr auto max_current = number_of("max_current");
-constexpr auto standby_current = number_of("standby_current");
-constexpr auto max_bow = number_of("max_bow");
-constexpr auto load_value = number_of("load_value");
-constexpr auto threshold = number_of("stallguard2_threshold");
-constexpr auto stop_on_stall = number_of("smart_energy_stall_velocity");
-constexpr auto cool_step = number_of("smart_energy_hysteresis_start");
-}  // namespace tuned
 
 class Tuner {
  public:
@@ -65,30 +55,18 @@ class Tuner {
   Script<Result<void>> go_slowly_to(std::int32_t target);
 
   const Model& model() const { return *options_.units.model; }
-  std::int32_t present(std::uint8_t parameter) const;
+  std::int32_t present(std::uint8_t parameter) const { return ramps_.present(parameter); }
   bool has(std::uint8_t parameter) const {
     return find_parameter(axis_parameters(model()), parameter) != nullptr;
   }
   const ParameterInfo* row_of(std::string_view name) const;
   double greatest_acceleration() const;
-  /// Nothing for what the module does not have.
-  std::optional<plan::PlannedRamp> ramp_of(double velocity, double acceleration) const;
-  std::optional<plan::PlannedRamp> ramp_for(Sought sought, double value) const;
-  /// At the proposed velocity and acceleration.
-  std::optional<plan::PlannedRamp> bowed_ramp(std::int32_t bow, const AxisUnits& units) const;
-  std::vector<std::int32_t> gentler_bows() const;
-  Script<std::int32_t> first_settled_bow(ramp::Resonance resonance) const;
-  std::optional<double> settled_s(std::int32_t bow, double way,
-                                  const ramp::Resonance& resonance) const;
   plan::RingDown ring_down_seen() const;
   std::int32_t current_for(Sought sought, double value) const;
-  /// Both ramps, and some time at full speed.
-  std::int32_t way_of(const plan::PlannedRamp& ramp) const;
   /// Where trials begin, and where they get to.
   std::int32_t base() const { return away_ > 0 ? range_.least : range_.greatest; }
   std::int32_t at(std::int32_t way) const { return base() + away_ * way; }
   Lookout lookout_of(const TuneTrial& trial, const plan::PlannedRamp& ramp, std::int32_t way) const;
-  Duration limit_of(const plan::PlannedRamp& ramp, std::int32_t way) const;
   std::int32_t room() const { return range_.greatest - range_.least; }
   void propose();
   void tell(const std::string& what) const {
@@ -102,12 +80,11 @@ class Tuner {
   std::optional<SwitchedAxis> switched_;  ///< One of these two.
   int away_ = 1;                          ///< From the base: 1 up, -1 down.
   Tuning found_;
+  TrialRamps ramps_{options_, found_};
   std::vector<ReadingAt> at_rest_;  ///< After the last move that was listened to.
   ValueRange range_{};
-  double full_step_ = 256;  ///< In microsteps.
   plan::PlannedRamp slow_{};
-  plan::PlannedRamp back_{};  ///< To go back with; it has held.
-  double base_acceleration_ = 0;
+  plan::PlannedRamp back_{};    ///< To go back with; it has held.
   bool beyond_bounds_ = false;  ///< In the search under way something was not in the module.
   bool beyond_travel_ = false;
 };

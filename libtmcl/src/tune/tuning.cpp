@@ -62,24 +62,24 @@ tl::unexpected<Error> nothing_held(Sought sought, double first) {
 
 Script<Result<void>> Tuner::begin() {
   const auto resolution = co_await must(watched_.get(ap::microstep_resolution));
-  full_step_ = 1 << std::clamp(resolution, 0, max_microstep_resolution);
+  ramps_.full_step = 1 << std::clamp(resolution, 0, max_microstep_resolution);
   const auto& travel = options_.travel;
   const auto length = std::int64_t{travel.greatest} - travel.least;
-  if (static_cast<double>(length) < least_travel_full_steps * full_step_)
+  if (static_cast<double>(length) < least_travel_full_steps * ramps_.full_step)
     co_return tl::unexpected(bad_argument(
         fmt::format("a travel of {} microsteps is too short to tune by", length),
-        fmt::format("it takes {:.0f} at least", least_travel_full_steps * full_step_)));
+        fmt::format("it takes {:.0f} at least", least_travel_full_steps * ramps_.full_step)));
   co_await must(watched_.begin());
   const auto kept = static_cast<std::int32_t>(
-      std::min(kept_full_steps * full_step_, static_cast<double>(length) / 16));
+      std::min(kept_full_steps * ramps_.full_step, static_cast<double>(length) / 16));
   range_ = {travel.least + kept, travel.greatest - kept};
   const auto& units = *options_.units.module;
   const double velocity = to_pps(InternalVelocity{present(ap::max_velocity)}, units).value;
   const auto acceleration = present(plan::acceleration_parameter(model()));
-  base_acceleration_ =
+  ramps_.base_acceleration =
       std::min(to_pps2(InternalAcceleration{acceleration}, units).value, greatest_acceleration());
-  const auto slow =
-      ramp_of(std::min(slow_part * velocity, slow_full_steps * full_step_), base_acceleration_);
+  const auto slow = ramps_.ramp_of(
+      std::min(slow_part * velocity, slow_full_steps * ramps_.full_step), ramps_.base_acceleration);
   if (!slow)
     co_return tl::unexpected(
         bad_argument("the velocity and the acceleration that the axis has make no ramp",
@@ -87,16 +87,16 @@ Script<Result<void>> Tuner::begin() {
   slow_ = *slow;
   back_ = slow_;
   if (options_.by_switch)
-    switched_.emplace(axis_, watched_, *options_.by_switch, full_step_);
+    switched_.emplace(axis_, watched_, *options_.by_switch, ramps_.full_step);
   else
-    encoded_.emplace(axis_, watched_, *tune_encoder(model()), full_step_);
+    encoded_.emplace(axis_, watched_, *tune_encoder(model()), ramps_.full_step);
   co_return Result<void>{};
 }
 
 Script<Result<void>> Tuner::find_velocity() {
   LimitSearch::Terms terms;
   terms.first = 2 * slow_.choice.velocity.value;
-  terms.most = greatest_full_steps * full_step_;
+  terms.most = greatest_full_steps * ramps_.full_step;
   if (options_.greatest_velocity) terms.most = options_.greatest_velocity->value;
   terms.first = std::min(terms.first, terms.most);
   terms.least = least_part * terms.first;
@@ -114,7 +114,7 @@ Script<Result<void>> Tuner::find_velocity() {
 }
 
 double Tuner::greatest_acceleration() const {
-  if (!options_.greatest_acceleration) return greatest_acceleration_full_steps * full_step_;
+  if (!options_.greatest_acceleration) return greatest_acceleration_full_steps * ramps_.full_step;
   // The deceleration of a ramp with a bow is set to 16/15 of what it is.
   const double part = has(tuned::max_bow) ? 15.0 / 16 : 1;
   return part * options_.greatest_acceleration->value;
@@ -122,7 +122,7 @@ double Tuner::greatest_acceleration() const {
 
 Script<Result<void>> Tuner::find_acceleration() {
   LimitSearch::Terms terms;
-  terms.first = base_acceleration_;
+  terms.first = ramps_.base_acceleration;
   terms.most = greatest_acceleration();
   terms.first = std::min(terms.first, terms.most);
   terms.least = least_part * terms.first;
@@ -161,11 +161,11 @@ Script<Result<void>> Tuner::find_current() {
 
 Script<Result<bool>> Tuner::load_stays_up(std::int32_t threshold) {
   const auto* row = find_parameter(axis_parameters(model()), tuned::load_value);
-  const auto ramp = *ramp_for(Sought::threshold, 0);
+  const auto ramp = *ramps_.ramp_for(Sought::threshold, 0);
   found_.threshold = threshold;
   co_await must(watched_.set(plan::Setting{tuned::threshold, threshold}));
   const auto current = static_cast<std::int32_t>(found_.current.proposed);
-  const auto held = co_await must(trial(Sought::threshold, ramp, current, way_of(ramp)));
+  const auto held = co_await must(trial(Sought::threshold, ramp, current, ramps_.way_of(ramp)));
   const auto& seen = found_.trials.back().load_value;
   co_return held&& seen&&* seen >= least_load_part*(row->maximum + 1);
 }
@@ -203,7 +203,7 @@ Script<Result<void>> Tuner::find_threshold() {
 /// All of it on all of the travel.
 Script<Result<void>> Tuner::confirm() {
   for (int retreats = 0;; ++retreats) {
-    const auto ramp = ramp_for(Sought::confirmation, 0);
+    const auto ramp = ramps_.ramp_for(Sought::confirmation, 0);
     if (!ramp) co_return nothing_held(Sought::confirmation, found_.velocity.proposed);
     const auto current = static_cast<std::int32_t>(found_.current.proposed);
     bool held = true;
@@ -220,7 +220,7 @@ Script<Result<void>> Tuner::confirm() {
 }
 
 void Tuner::propose() {
-  const auto ramp = ramp_for(Sought::confirmation, 0);
+  const auto ramp = ramps_.ramp_for(Sought::confirmation, 0);
   found_.settings = plan::in_safe_order(ramp->choice.settings, present(plan::pulse_divisor));
   found_.settings.push_back(
       {tuned::max_current, static_cast<std::int32_t>(found_.current.proposed)});
@@ -250,7 +250,7 @@ Script<Result<void>> Tuner::calibrate_encoder() {
   tell("measures its encoder by slow moves");
   auto measured = range_;
   measured.greatest = static_cast<std::int32_t>(
-      std::min<double>(measured.greatest, measured.least + measured_full_steps * full_step_));
+      std::min<double>(measured.greatest, measured.least + measured_full_steps * ramps_.full_step));
   const auto all = options_.travel.greatest - options_.travel.least;
   co_await must(encoded_->calibrate(measured, limit_of(slow_, all)));
   co_return Result<void>{};
