@@ -1,11 +1,17 @@
 // A movement beside its plan.
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "axis/prediction_text.hpp"
-#include "ctl_fixture.hpp"
 #include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
+#include "support/temp_path.hpp"
+#include "unit/ctl_bench.hpp"
+#include "verbs/verbs.hpp"
 
 namespace tmclctl::plot {
 namespace {
@@ -66,42 +72,60 @@ TEST(CtlComparison, SaysWhereTheAxisWasOffThePlan) {
   EXPECT_THAT(svg, HasSubstr("class=\"curve difference\""));
 }
 
-// As [[module]] as = FILE of the gateway has it; words that only a newer one knows are as usual.
-TEST(CtlComparison, IsWithWhatWasMeasuredOfTheModule) {
-  test::Ctl ctl;
+/// As tmclctl foresees a move by what the gateway tells.
+std::optional<tmcl::Duration> arrival_of(test::CtlBench& ctl) {
   std::ostringstream text;
   Output output{text, text, {}, {}};
   Context context{ctl.gateway, output, ctl.host};
-  const auto arrival = [&](boost::json::array traits) {
-    ctl.target.result = {{"model", "TMCM-1110"}, {"traits", std::move(traits)}};
-    auto twin = twin_of("x", context).value();
-    twin.move_to({1'001});
-    return twin.time_to_arrival();
+  auto twin = twin_of("x", context).value();
+  twin.move_to({1'001});
+  return twin.time_to_arrival();
+}
+
+TEST(CtlComparison, IsWithWhatWasMeasuredOfTheModule) {
+  const auto file = tmcl::test::temp_path("measured.toml");
+  const auto arrival = [&](const std::string& trait) {
+    std::ofstream(file) << "[module]\nmodel = \"TMCM-1110\"\n" + trait + '\n';
+    test::CtlBench ctl(test::plain_axis + "[[module]]\nbus = \"bench\"\naddress = 1\nas = \"" +
+                       file + "\"\n");
+    return arrival_of(ctl);
   };
-  const auto trait = [](const char* name, const char* variant) {
-    return boost::json::array{boost::json::object{{"trait", name}, {"variant", variant}}};
+  const auto usual = arrival("");
+  EXPECT_NE(arrival("last_step = \"r1\""), usual);
+  EXPECT_EQ(arrival("last_step = \"r3\""), usual);
+  std::filesystem::remove(file);
+}
+
+// Words that only a newer gateway knows are as usual.
+TEST(CtlComparison, LeavesOutWhatOnlyANewerGatewayKnows) {
+  test::CtlBench ctl;
+  const auto arrival = [&](const char* trait, const char* variant) {
+    ctl.amend("axis.get_ramp", [=](boost::json::object& ramp) {
+      ramp["traits"] = boost::json::array{{{"trait", trait}, {"variant", variant}}};
+    });
+    return arrival_of(ctl);
   };
-  const auto usual = arrival({});
-  EXPECT_NE(arrival(trait("last_step", "r1")), usual);
-  EXPECT_EQ(arrival(trait("last_step", "r3")), usual);
-  EXPECT_EQ(arrival(trait("last_step", "r9")), usual);
-  EXPECT_EQ(arrival(trait("next_step", "r1")), usual);
+  const auto usual = arrival_of(ctl);
+  EXPECT_EQ(arrival("last_step", "r9"), usual);
+  EXPECT_EQ(arrival("next_step", "r1"), usual);
+  EXPECT_NE(arrival("last_step", "r1"), usual);
 }
 
 TEST(CtlComparison, IsOfMovesOfModulesThatAreKnown) {
-  test::Ctl ctl;
+  test::CtlBench ctl;
   EXPECT_EQ(ctl.run({"plot", "x", "--compare"}), ExitCode::usage);
   EXPECT_THAT(ctl.err, HasSubstr("--to or --by"));
   // What no TMCM-1110 can hold, and a model of which this program has not heard.
-  ctl.target.result = {
-      {"model", "TMCM-1110"},
-      {"settings", {{{"parameter", "max_velocity"}, {"number", 4}, {"value", -7}}}}};
+  ctl.amend("axis.get_ramp", [](boost::json::object& ramp) {
+    ramp["settings"] = {{{"parameter", "max_velocity"}, {"number", 4}, {"value", -7}}};
+  });
   EXPECT_EQ(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::usage);
   EXPECT_THAT(ctl.err, HasSubstr("cannot be foreseen"));
   EXPECT_EQ(ctl.out, "");
-  ctl.target.result = {{"model", "TMCM-9999"}};
+  ctl.amend("axis.get_ramp", [](boost::json::object& ramp) { ramp["model"] = "TMCM-9999"; });
   EXPECT_EQ(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::usage);
   EXPECT_THAT(ctl.err, HasSubstr("does not know the ramps of a TMCM-9999"));
+  EXPECT_THAT(ctl.orders(), testing::IsEmpty());
 }
 
 }  // namespace
