@@ -6,8 +6,8 @@
 #include <fstream>
 #include <string>
 
-#include "ctl_fixture.hpp"
 #include "support/temp_path.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl {
 namespace {
@@ -15,13 +15,23 @@ namespace {
 namespace json = boost::json;
 using testing::HasSubstr;
 
-class CtlMint : public testing::Test, public test::Ctl {
+/// Motors "x" and "y" of a TMCM-3110, without units.
+const std::string axes_of_mint = test::plain_axis + test::axis_section("y", 1, 1);
+
+class CtlMint : public testing::Test, public test::CtlBench {
  protected:
+  CtlMint() : CtlBench(axes_of_mint, "TMCM-3110") {}
   ~CtlMint() override { std::filesystem::remove(path); }
 
   std::vector<std::string> check(const std::string& program) const {
     std::ofstream(path, std::ios::binary) << program;
     return {"mint", "check", path};
+  }
+  ExitCode run_program(const std::string& program, const std::vector<std::string>& more = {}) {
+    check(program);
+    std::vector<std::string> words{"mint", "run", path};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
   }
 
   const std::string path = tmcl::test::temp_path("ctl_mint_test.mint");
@@ -69,58 +79,59 @@ TEST_F(CtlMint, ProblemsAreJsonToo) {
   EXPECT_EQ(error.at("problems").at(0).at("line"), 1);
 }
 
+// A second for 2000 microsteps, and another one back.
+const std::string there_and_back =
+    "SPEED.3 = 2500\nACCEL.3 = 12500\nMOVER.3 = 2000\nGO\nMOVEA.3 = 0\nGO\nMOVER.3 = 1\n";
+
 TEST_F(CtlMint, TheGatewayRunsAProgram) {
-  check(exercise);
-  target.news = {{{"phase", "checked"}, {"remarks", json::array{"line 7: it is late"}}},
-                 {{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}},
-                 {{"phase", "stands"}, {"line", 6}, {"passed_s", 1.25}, {"duration_s", 1}}};
-  target.result = {{"groups",
-                    {{{"line", 6}, {"planned_s", 1}, {"took_s", 1.25}},
-                     {{"line", 8}, {"planned_s", 2}, {"took_s", 2}}}},
-                   {"remarks", {"parameter 4 of x was 7 before: silent"}}};
-  EXPECT_EQ(run({"mint", "run", path, "--axis", "3=x", "--axis", "0=y"}), ExitCode::done) << err;
-  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x","y"],"numbers":[3,0],"bytes":66})");
-  EXPECT_EQ(target.run_text, exercise);
-  EXPECT_EQ(out,
-            "GO of line 6: 1.250 s, planned 1.000 s\nGO of line 8: 2.000 s, planned 2.000 s\n");
-  EXPECT_THAT(err, HasSubstr("tmclctl: warning: line 7: it is late\n"));
+  EXPECT_EQ(run_program(there_and_back, {"--axis", "3=x", "--axis", "0=y"}), ExitCode::done) << err;
+  EXPECT_THAT(calls_of("mint.run"),
+              testing::ElementsAre(R"(mint.run {"axes":["x","y"],"numbers":[3,0],"bytes":76})"));
+  EXPECT_THAT(out, testing::MatchesRegex("GO of line 4: [01]\\.[0-9]{3} s, planned 1\\.000 s\n"
+                                         "GO of line 6: [01]\\.[0-9]{3} s, planned 1\\.000 s\n"));
+  EXPECT_THAT(err, HasSubstr("tmclctl: warning: line 7: no GO starts the move"));
+}
+
+TEST_F(CtlMint, WhatIsRemarkedAtTheEndIsAWarning) {
+  amend("mint.run", [](json::object& ran) {
+    ran["remarks"] = json::array{"parameter 4 of x was 7 before: silent"};
+  });
+  EXPECT_EQ(run_program(there_and_back, {"--axis", "3=x"}), ExitCode::done);
   EXPECT_THAT(err, HasSubstr("tmclctl: warning: parameter 4 of x was 7 before: silent\n"));
 }
 
 TEST_F(CtlMint, Axis0IsTheFirstThereIs) {
-  check(exercise);
-  target.news = {json::object{{"phase", "checked"},
-                              {"axes", json::array{json::object{{"number", 0}, {"axis", "x"}}}}}};
-  EXPECT_EQ(run({"mint", "run", path}), ExitCode::done) << err;
-  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x"],"bytes":66})");
-  EXPECT_EQ(out, "axis 0 is x\n");
+  EXPECT_EQ(run_program("SPEED = 2500\nACCEL = 12500\nMOVER = 200\nGO\n"), ExitCode::done) << err;
+  EXPECT_THAT(calls_of("mint.run"),
+              testing::ElementsAre(R"(mint.run {"axes":["x","y"],"bytes":42})"));
+  EXPECT_THAT(out, testing::StartsWith("axis 0 is x\nGO of line 4: "));
+  EXPECT_EQ(get("actual_position"), 200);
 }
 
 TEST_F(CtlMint, WhatTheGatewaySaysOfAProgramHasItsFile) {
-  check(exercise);
-  const std::vector<std::string> words{"mint", "run", path, "--axis", "0=x"};
-  target.run_failure = usage_error("bad_program", "the program cannot be run: line 2: no");
-  target.run_failure->subject["problems"] =
-      json::array{json::object{{"line", 2}, {"column", 1}, {"message", "no"}}};
-  EXPECT_EQ(run(words), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
-  target.run_failure = usage_error("missing_axis", "line 3 moves axis 1: which axis is that?");
-  target.run_failure->subject["file_axis"] = "1";
-  EXPECT_EQ(run(words), ExitCode::usage);
+  EXPECT_EQ(run_program("SPEED = 1\nSPED = 1\n", {"--axis", "0=x"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(path + ":2:1: 'SPED' is none of SCALE"));
+  EXPECT_EQ(run_program("SPEED.1 = 900\nACCEL.1 = 9000\nMOVEA.1 = 100\nGO\n", {"--axis", "0=x"}),
+            ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--axis 1=NAME"));
   EXPECT_EQ(run({"mint", "run", path, "--axis", "9=x"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("Mint's axes are 0 to 7"));
 }
 
 TEST_F(CtlMint, CtrlCStopsAllAxes) {
-  check(exercise);
-  target.news = {
-      json::object{{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}}};
-  target.run_failure = error_of(ExitCode::unknown, "stopped_by_other", "x was stopped");
-  host.press_ctrl_c_after(std::chrono::milliseconds(500));
-  EXPECT_EQ(run({"mint", "run", path, "--axis", "0=x", "--axis", "1=y"}), ExitCode::interrupted);
-  EXPECT_THAT(target.calls, testing::ElementsAre(testing::_, "stop x", "stop y"));
-  EXPECT_THAT(err, HasSubstr("stopped at the GO of line 6"));
+  host.press_ctrl_c_after(std::chrono::milliseconds(700));
+  EXPECT_EQ(run_program("SPEED = 500;\nACCEL = 12500;\nMOVER = 2000, 1000\nGO\n",
+                        {"--axis", "0=x", "--axis", "1=y"}),
+            ExitCode::interrupted);
+  EXPECT_THAT(orders(),
+              testing::ElementsAre(HasSubstr("path.stage"), HasSubstr("mint.run"),
+                                   R"(axis.stop {"axis":"x"})", R"(axis.stop {"axis":"y"})"));
+  EXPECT_THAT(err, HasSubstr("stopped at the GO of line 4"));
+  for (std::uint8_t motor = 0; motor < 2; ++motor) {
+    EXPECT_EQ(get("actual_velocity", motor), 0);
+    EXPECT_GT(get("actual_position", motor), 100);
+    EXPECT_LT(get("actual_position", motor), 500);
+  }
 }
 
 TEST_F(CtlMint, AMoveThatNeverStartsIsAWarning) {
