@@ -9,9 +9,9 @@
 #include <regex>
 #include <sstream>
 
-#include "ctl_fixture.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl {
 namespace {
@@ -19,8 +19,24 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-class CtlPath : public testing::Test, protected test::Ctl {
+const std::string axes_of_paths = [] {
+  const std::string in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
+  return test::axis_in_mm + test::axis_section("y", 1, 1, in_mm) +
+         test::axis_section("left", 1, 2, in_mm) + test::axis_section("plain", 1, 3);
+}();
+
+constexpr std::uint8_t motor_of_left = 2;
+constexpr std::int32_t microsteps_per_mm = 10'240;
+
+/// Axes "x", "y" and "left" are in mm, "plain" has no unit.
+class CtlPath : public testing::Test, protected test::CtlBench {
  protected:
+  CtlPath() : CtlBench(axes_of_paths, "TMCM-6212") {
+    for (std::uint8_t motor = 0; motor < 4; ++motor) {
+      set("max_velocity", 240'000, motor);
+      for (const auto* name : {"max_acceleration", "max_deceleration"}) set(name, 4'999'922, motor);
+    }
+  }
   ~CtlPath() override { std::filesystem::remove(path); }
 
   std::string file(const std::string& text) const {
@@ -388,36 +404,12 @@ TEST_F(CtlPath, ProblemsHaveTheirPlaces) {
   EXPECT_THAT(err, HasSubstr("moves nothing"));
 }
 
-const boost::json::object planned{
-    {"plan", 3},
-    {"axes", {"left", "y"}},
-    {"course",
-     {{"length", 10.5},
-      {"duration_s", 2},
-      {"legs", 1},
-      {"axes",
-       {{{"axis", "X"}, {"least", 0}, {"greatest", 10}, {"top_speed", 5}},
-        {{"axis", "Y"}, {"least", -1}, {"greatest", 0}, {"top_speed", 1}}}},
-      {"slowest_corners", boost::json::array{}}}},
-    {"curve", {{"times_s", {0, 2}}, {"positions", {{0, 0}, {10, -1}}}}},
-    {"expected",
-     {{{"mode", "velocity"},
-       {"off_path", 0.07},
-       {"off_path_at_s", 1.5},
-       {"off_path_at", {7, -1}},
-       {"lag_s", 0.002},
-       {"foreseen_s", 2},
-       {"keeps_tolerance", false}},
-      {{"mode", "position"}, {"keeps_tolerance", false}, {"refused", "line 1: it is too short"}}}}};
-
 TEST_F(CtlPath, TheGatewayIsToldToSkipUnknownWords) {
-  target.plan = planned;
-  target.plan["warnings"] = boost::json::array{"line 1: 'E5' is not known here; skipped"};
   const auto line = file("G1 X10 E5 F600\n");
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=left", "--lenient", "--dry-run"}),
             ExitCode::done)
       << err;
-  EXPECT_THAT(target.calls, testing::ElementsAre(HasSubstr(R"("lenient":true)")));
+  EXPECT_THAT(calls_of("path.plan"), testing::ElementsAre(HasSubstr(R"("lenient":true)")));
   EXPECT_THAT(err, HasSubstr("warning: line 1: 'E5' is not known here; skipped"));
   const auto document = json({"path", "run", line, "--axis", "X=left", "--lenient", "--dry-run"});
   EXPECT_EQ(document.at("warnings").as_array().size(), 1U);
@@ -425,91 +417,101 @@ TEST_F(CtlPath, TheGatewayIsToldToSkipUnknownWords) {
 
 TEST_F(CtlPath, APathIsPlannedOnceAndRunAsItWasPlanned) {
   const auto line = file("G1 X10 F600\n");
-  target.plan = planned;
-  target.result = {{"tracking_error", {{{"axis", "left"}, {"largest", 0.25}}}},
-                   {"remarks", {"it was late"}},
-                   {"updates", 7}};
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=left", "--feed", "3"}), ExitCode::done) << err;
-  EXPECT_EQ(target.run_text, "G1 X10 F600\n");
-  EXPECT_THAT(target.calls, testing::ElementsAre(R"(path.plan {"axes":["left"],"file_axes":["X"],)"
-                                                 R"("bytes":12,"format":"gcode","mode":"velocity",)"
-                                                 R"("tolerance":5E-2,"feed":3E0,"period_ms":5,)"
-                                                 R"("name":")" +
-                                                     line + R"("})",
-                                                 R"(path.run {"plan":3,"to_start":true})"));
-  EXPECT_THAT(out, HasSubstr("0.2500"));
-  EXPECT_THAT(out, HasSubstr("7 updates"));
-  EXPECT_THAT(err, HasSubstr("it was late"));
+  EXPECT_THAT(calls,
+              testing::ElementsAre(R"(path.stage {"offset":0,"data":"47312058313020463630300a"})",
+                                   R"(path.plan {"axes":["left"],"file_axes":["X"],)"
+                                   R"("bytes":12,"format":"gcode","mode":"velocity",)"
+                                   R"("tolerance":5E-2,"feed":3E0,"period_ms":5,)"
+                                   R"("name":")" +
+                                       line + R"("})",
+                                   R"(path.run {"plan":1,"to_start":true})"));
+  EXPECT_EQ(get("actual_position", motor_of_left), 10 * microsteps_per_mm);
+  EXPECT_THAT(out, testing::ContainsRegex("^AXIS  LARGEST ERROR  RMS     READINGS\n"
+                                          "left  0\\.[0-9]{4}         0\\.[0-9]{4}  [0-9]+\n"
+                                          "seen at most 0\\.[0-9]{4} off the path, at "));
+  EXPECT_THAT(out, testing::ContainsRegex("\n[0-9]+ updates in 3\\.3[0-9]+ s, one every "));
+  EXPECT_EQ(err, "");
 }
 
 TEST_F(CtlPath, QuantitiesWithTheirUnitsAreHandedThrough) {
   const auto line = file("G1 X10 F600\n");
-  target.plan = planned;
   EXPECT_EQ(run({"path", "run", line, "--dry-run", "--velocity", "20mm/s", "--acceleration",
                  "500 mm/s2", "--feed", "12"}),
             ExitCode::done)
       << err;
-  EXPECT_THAT(target.calls, testing::ElementsAre(HasSubstr(
-                                R"("velocity":"20mm/s","acceleration":"500 mm/s2","feed":1.2E1)")));
+  EXPECT_THAT(calls_of("path.plan"),
+              testing::ElementsAre(
+                  HasSubstr(R"("velocity":"20mm/s","acceleration":"500 mm/s2","feed":1.2E1)")));
 }
 
+// Line 2 is shorter than what it takes to load line 3.
 TEST_F(CtlPath, ADryRunShowsAndDrawsWhatWasPlanned) {
-  const auto line = file("G1 X10 F600\n");
-  target.plan = planned;
+  const auto line = file("G1 X10 Y-1 F600\nG1 X10.00001\nG1 X9 Y3\n");
   const auto svg = path + ".svg";
   EXPECT_EQ(run({"path", "run", line, "--dry-run", "--svg", svg}), ExitCode::done) << err;
-  EXPECT_THAT(out, HasSubstr("10.5 units in 2 s, 1 leg\n"));
-  EXPECT_THAT(out, HasSubstr("Y     -1    0   1"));
-  EXPECT_THAT(out, HasSubstr("velocity  0.0700"));
-  EXPECT_THAT(out, HasSubstr("1.500 s  2.0 ms  exceeded"));
-  EXPECT_THAT(out, HasSubstr("line 1: it is too short"));
+  EXPECT_THAT(out, HasSubstr("14.173 units in 1.457 s, 3 legs\n"));
+  EXPECT_THAT(out, HasSubstr("Y     -1    3   9.70142\n"));
+  EXPECT_THAT(out, testing::ContainsRegex("velocity  0\\.0[0-9]{3} +[01]\\.[0-9]{3} s +[0-9.]+ ms "
+                                          "+kept\n"
+                                          "segments  0\\.0[0-9]{3} +[01]\\.[0-9]{3} s +[0-9.]+ ms "
+                                          "+exceeded\n"
+                                          "position  - +- +- +line 3: to load it takes "));
   EXPECT_TRUE(std::filesystem::remove(svg));
   const auto document = json({"path", "run", line, "--dry-run"});
   EXPECT_EQ(document.at("axes").at(0).at("axis"), "X");
-  EXPECT_EQ(document.at("expected").at(1).at("refused"), "line 1: it is too short");
+  EXPECT_THAT(std::string(document.at("expected").at(2).at("refused").as_string()),
+              HasSubstr("line 3: to load it takes "));
   EXPECT_EQ(std::string(document.at("file").as_string()), line);
-  for (const auto& call : target.calls) EXPECT_THAT(call, HasSubstr("path.plan"));
+  EXPECT_THAT(calls_of("path.run"), testing::IsEmpty());
+  EXPECT_EQ(get("actual_position"), 0);
 }
 
 TEST_F(CtlPath, WhatCannotBePlannedIsExplained) {
   const auto line = file("G1 X10 F600\n");
   EXPECT_EQ(run({"path", "run", line, "--axis", "x"}), ExitCode::usage);
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--mode", "fast"}), ExitCode::usage);
-  target.plan_failure = usage_error("bad_path", "the path cannot be read: line 2: no");
-  target.plan_failure->subject["problems"] =
-      boost::json::array{boost::json::object{{"line", 2}, {"column", 1}, {"message", "no"}}};
-  EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
-  target.plan_failure = usage_error("missing_axis", "the file moves X: which axis is that?");
-  target.plan_failure->subject["file_axis"] = "X";
-  EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr("--axis X=NAME"));
-  target.plan_failure = usage_error("unknown_unit", "x has no unit");
-  EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
+  EXPECT_THAT(calls, testing::IsEmpty());
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=plain"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--per-turn"));
+  EXPECT_EQ(run({"path", "run", file("G1 X10 F600\nG99\n")}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(path + ":2:1: G99 is not known here\n"));
+  EXPECT_EQ(run({"path", "run", file("G1 A10 F600\n")}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("--axis A=NAME"));
 }
 
 TEST_F(CtlPath, CtrlCLetsTheGatewayStop) {
-  const auto line = file("G1 X10 F600\n");
-  target.plan = planned;
-  target.run_failure = error_of(ExitCode::unknown, "stopped", "stopped", "", tmcl::Outcome::done);
-  target.run_failure->subject["run"] = boost::json::object{};
   host.press_ctrl_c_after(std::chrono::seconds(1));
-  EXPECT_EQ(run({"path", "run", line}), ExitCode::interrupted);
-  EXPECT_EQ(target.calls.back(), R"(path.stop {"axes":["left","y"]})");
+  EXPECT_EQ(run({"path", "run", file("G1 X10 Y1 F300\n"), "--axis", "X=left"}),
+            ExitCode::interrupted);
+  EXPECT_EQ(calls.back(), R"(path.stop {"axes":["left","y"]})");
   EXPECT_THAT(err, HasSubstr("stopped before the end of the path"));
+  EXPECT_EQ(get("actual_velocity", motor_of_left), 0);
+  EXPECT_GT(get("actual_position", motor_of_left), microsteps_per_mm);
+  EXPECT_LT(get("actual_position", motor_of_left), 9 * microsteps_per_mm);
 }
 
-TEST_F(CtlPath, WhatTheGatewaySaysHasItsExitCodes) {
-  const auto line = file("G1 X10 F600\n");
-  target.plan = planned;
-  for (const auto& [outcome, exit] : {std::pair{tmcl::Outcome::done, ExitCode::not_reached},
-                                      std::pair{tmcl::Outcome::unknown, ExitCode::not_reached},
-                                      std::pair{tmcl::Outcome::not_sent, ExitCode::refused}}) {
-    target.run_failure = error_of(ExitCode::unknown, "starved", "late", "", outcome);
-    target.run_failure->subject["run"] = boost::json::object{};
-    EXPECT_EQ(run({"path", "run", line}), exit);
-  }
+TEST_F(CtlPath, AStopByAnotherClientEndsItEarly) {
+  other_after(std::chrono::seconds(1), "axis.stop", {{"axis", "left"}});
+  EXPECT_EQ(run({"path", "run", file("G1 X10 F300\n"), "--axis", "X=left"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("left was stopped by another client"));
+}
+
+TEST_F(CtlPath, ALostLinkEndsItEarlyAndWhatWasNotGivenBackIsAWarning) {
+  after(std::chrono::seconds(1), [&] { cut_wires("its plug is out"); });
+  EXPECT_EQ(run({"path", "run", file("G1 X10 F300\n"), "--axis", "X=left"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("tmclctl: warning: left could not be stopped\n"));
+  EXPECT_THAT(err, HasSubstr("tmclctl: warning: parameter 4 of left was 240000 before: "));
+  EXPECT_THAT(err, HasSubstr("axis 'left' could not be stopped and may still move"));
+}
+
+TEST_F(CtlPath, AnAxisThatMovesBeforeItBeginsIsRefused) {
+  // Between the plan and the run.
+  amend("path.plan", [&](boost::json::object&) {
+    other("axis.rotate", {{"axis", "left"}, {"velocity_internal", 1000}});
+  });
+  EXPECT_EQ(run({"path", "run", file("G1 X10 F300\n"), "--axis", "X=left"}), ExitCode::refused);
+  EXPECT_EQ(err, "tmclctl: left is moving\n");
 }
 
 }  // namespace
