@@ -288,12 +288,16 @@ int run_with_gateway(const tmclsim::Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  const auto options = tmclsim::parse_options(argc, argv);
-  if (!options) {
-    const auto& exit = options.error();
-    (exit.status == 0 ? std::cout : std::cerr) << exit.message;
-    return exit.status;
+  const auto parsed = tmclsim::parse_options(argc, argv);
+  if (!parsed) {
+    std::cerr << "tmclsim: " << parsed.error() << "\nSee tmclsim --help.\n";
+    return exit_wrong;
   }
+  if (const auto* information = std::get_if<tmclsim::Information>(&*parsed)) {
+    std::cout << information->text;
+    return EXIT_SUCCESS;
+  }
+  const auto* options = std::get_if<tmclsim::Options>(&*parsed);
   if (!options->debug.empty()) return run_debug(*options);
   if (!options->replay.empty()) return run_replay(*options);
   return options->gateway.empty() ? run(*options) : run_with_gateway(*options);

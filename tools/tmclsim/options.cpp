@@ -170,16 +170,12 @@ When all is set up it prints a line for each module and each port, and then "rea
 Exit status: 0 ended as asked, 1 a port or file could not be opened or a reply is not the recorded
 one, 2 the command line is wrong.)";
 
-EarlyExit wrong(const std::string& sentence) {
-  return {2, "tmclsim: " + sentence + "\nSee tmclsim --help.\n"};
-}
-
-EarlyExit unexpected_word(const std::string& word) {
-  if (!word.starts_with("-")) return wrong("'" + word + "' belongs to no option.");
+std::string unexpected_word(const std::string& word) {
+  if (!word.starts_with("-")) return "'" + word + "' belongs to no option.";
   const auto name = word.substr(0, word.find('='));
   if (name == "--baud")
-    return wrong("there is no option '--baud'. --pace gives ports the pace of a baud rate.");
-  return wrong("there is no option '" + name + "'." + tmcl::did_you_mean(name, known_options));
+    return "there is no option '--baud'. --pace gives ports the pace of a baud rate.";
+  return "there is no option '" + name + "'." + tmcl::did_you_mean(name, known_options);
 }
 
 struct OptionWords {
@@ -337,57 +333,56 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const OptionWords
 }
 
 // A port by USB has the pace that USB has, and no wires.
-tl::expected<void, EarlyExit> check_wires(OptionWords& words, bool has_pace) {
+tl::expected<void, std::string> check_wires(OptionWords& words, bool has_pace) {
   auto& wires = words.options.wires;
   const bool has_line =
       !words.options.ptys.empty() || !words.tcp.empty() || !words.options.gateway.empty();
   if ((wires.echo || wires.noise != 0) && !has_line)
-    return tl::unexpected(
-        wrong("--echo and --noise are of serial lines: --pty PATH, --tcp HOST:PORT."));
+    return tl::unexpected<std::string>(
+        "--echo and --noise are of serial lines: --pty PATH, --tcp HOST:PORT.");
   if (!(wires.noise >= 0 && wires.noise <= 1))
-    return tl::unexpected(wrong("--noise is 0 to 1, such as 0.001: one byte of a thousand."));
+    return tl::unexpected<std::string>("--noise is 0 to 1, such as 0.001: one byte of a thousand.");
   wires.has_pace = has_pace;
   if (words.pace.empty()) return {};
   constexpr std::uint32_t fastest = 4'000'000;
   wires.baud = parse_number<std::uint32_t>(words.pace).value_or(0);
   if (wires.baud == 0 || wires.baud > fastest)
-    return tl::unexpected(
-        wrong("--pace " + words.pace + " is no baud rate, such as 9600 or 115200."));
+    return tl::unexpected("--pace " + words.pace + " is no baud rate, such as 9600 or 115200.");
   return {};
 }
 
-tl::expected<void, EarlyExit> check_debug(const OptionWords& words, bool has_port) {
+tl::expected<void, std::string> check_debug(const OptionWords& words, bool has_port) {
   const auto& options = words.options;
   if (has_port || options.console || !options.gateway.empty() || !options.replay.empty() ||
       !options.eeprom_folder.empty())
-    return tl::unexpected(
-        wrong("--debug takes no port, console, gateway, replay or EEPROM: its module is "
-              "switched on anew to go back."));
+    return tl::unexpected<std::string>(
+        "--debug takes no port, console, gateway, replay or EEPROM: its module is "
+        "switched on anew to go back.");
   return {};
 }
 
-tl::expected<void, EarlyExit> check_ways(const OptionWords& words, bool has_port) {
+tl::expected<void, std::string> check_ways(const OptionWords& words, bool has_port) {
   const auto& options = words.options;
   if (!options.debug.empty()) return check_debug(words, has_port);
   const bool replays = !options.replay.empty();
   const bool has_gateway = !options.gateway.empty();
   if (replays && (has_port || options.console || has_gateway))
-    return tl::unexpected(
-        wrong("--replay takes no port, no console and no gateway: it asks by itself."));
+    return tl::unexpected<std::string>(
+        "--replay takes no port, no console and no gateway: it asks by itself.");
   if (has_gateway && has_port)
-    return tl::unexpected(
-        wrong("--gateway takes no port: a host there would not have its virtual time."));
+    return tl::unexpected<std::string>(
+        "--gateway takes no port: a host there would not have its virtual time.");
   if (!replays && !has_gateway && !has_port) {
-    return tl::unexpected(
-        wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --usb, "
-              "--can INTERFACE or --tcp HOST:PORT"));
+    return tl::unexpected<std::string>(
+        "no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --usb, "
+        "--can INTERFACE or --tcp HOST:PORT");
   }
   return {};
 }
 
-tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
+tl::expected<Options, std::string> check(OptionWords words, bool has_pace) {
   if (words.modules.empty() && words.bench.empty()) {
-    return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
+    return tl::unexpected<std::string>("no module to simulate. Add one: --module TMCM-1110");
   }
   const auto& ports = words.options;
   const bool has_usb = !words.usb_ptys.empty() || !words.usb_devices.empty();
@@ -397,21 +392,21 @@ tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
     return tl::unexpected(checked.error());
   if (auto checked = check_wires(words, has_pace); !checked) return tl::unexpected(checked.error());
   auto modules = all_modules(words);
-  if (!modules) return tl::unexpected(wrong(modules.error()));
-  if (modules->empty()) return tl::unexpected(wrong(words.bench + " describes no module."));
+  if (!modules) return tl::unexpected(modules.error());
+  if (modules->empty()) return tl::unexpected(words.bench + " describes no module.");
   if (!ports.debug.empty() && modules->size() != 1)
-    return tl::unexpected(wrong("--debug takes one module."));
+    return tl::unexpected<std::string>("--debug takes one module.");
   words.options.modules = std::move(*modules);
   auto usb_ptys = parse_usb_ports(words.usb_ptys, words.options.modules);
-  if (!usb_ptys) return tl::unexpected(wrong(usb_ptys.error()));
+  if (!usb_ptys) return tl::unexpected(usb_ptys.error());
   words.options.usb_ptys = std::move(*usb_ptys);
   auto usb_devices = parse_usb_devices(words.usb_devices, words.options.modules);
-  if (!usb_devices) return tl::unexpected(wrong(usb_devices.error()));
+  if (!usb_devices) return tl::unexpected(usb_devices.error());
   words.options.usb_devices = std::move(*usb_devices);
   for (const auto& text : words.tcp) {
     const auto endpoint = tmcl::sim::parse_endpoint(text);
     if (!endpoint) {
-      return tl::unexpected(wrong("'" + text + "' is not HOST:PORT, such as 127.0.0.1:4001."));
+      return tl::unexpected("'" + text + "' is not HOST:PORT, such as 127.0.0.1:4001.");
     }
     words.options.tcp_endpoints.push_back(*endpoint);
   }
@@ -420,25 +415,26 @@ tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
 
 }  // namespace
 
-tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv) {
+tl::expected<std::variant<Options, Information>, std::string> parse_options(
+    int argc, const char* const* argv) {
   CLI::App app(description, "tmclsim");
   OptionWords words;
   describe(app, words);
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    return tl::unexpected(EarlyExit{0, app.help() + "\n"});
+    return Information{app.help() + "\n"};
   } catch (const CLI::CallForVersion& version) {
-    return tl::unexpected(EarlyExit{0, std::string(version.what()) + "\n"});
+    return Information{std::string(version.what()) + "\n"};
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(wrong(error.what()));
+    return tl::unexpected(error.what());
   }
   if (const auto rest = app.remaining(); !rest.empty()) {
     return tl::unexpected(unexpected_word(rest.front()));
   }
   auto sorted = sort(app, "--firmware", words.firmware, words.modules, words.firmware_of_module);
   if (sorted) sorted = sort(app, "--as", words.as, words.modules, words.as_of_module);
-  if (!sorted) return tl::unexpected(wrong(sorted.error()));
+  if (!sorted) return tl::unexpected(sorted.error());
   return check(std::move(words), app.count("--pace") > 0);
 }
 

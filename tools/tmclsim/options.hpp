@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -37,12 +38,13 @@ struct Options {
   std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
 };
 
-/// What to say instead of running.
-struct EarlyExit {
-  int status = 0;       ///< 0 for help and version, 2 for a bad command line.
-  std::string message;  ///< For standard output if the status is 0, otherwise for standard error.
+/// What --help or --version is answered with.
+struct Information {
+  std::string text;
 };
 
-tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv);
+/// The error: a sentence with its full stop, of one or two lines.
+tl::expected<std::variant<Options, Information>, std::string> parse_options(
+    int argc, const char* const* argv);
 
 }  // namespace tmclsim
