@@ -269,8 +269,6 @@ awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
 
 namespace {
 
-using Reloaded = tl::expected<std::string, std::vector<std::string>>;
-
 /// Empty if nothing does.
 std::string takes_a_restart(const DaemonConfig& now, const DaemonConfig& next) {
   if (now.socket != next.socket) return "'socket' in [daemon]";
@@ -289,7 +287,7 @@ awaitable<void> Daemon::load_again(Daemon& daemon) {
     const auto turn = co_await daemon.take_turn_to_load(0);
     auto work = [load = daemon.load_] { return load(std::nullopt); };
     auto config = co_await daemon.gateway_->planner.plan(std::move(work));
-    Reloaded reloaded;
+    tl::expected<std::string, std::vector<std::string>> reloaded;
     if (config) {
       reloaded = co_await reload(daemon, std::move(*config));
     } else {
@@ -305,7 +303,8 @@ awaitable<void> Daemon::load_again(Daemon& daemon) {
   daemon.is_loading_ = false;
 }
 
-awaitable<Reloaded> Daemon::foresee(Daemon& daemon, const Config& config) {
+awaitable<tl::expected<std::string, std::vector<std::string>>> Daemon::foresee(
+    Daemon& daemon, const Config& config) {
   if (auto objection = daemon.objection_to(config))
     co_return tl::unexpected(std::vector{*objection});
   auto words = co_await foresee_reload(daemon.gateway_, config);
@@ -313,7 +312,8 @@ awaitable<Reloaded> Daemon::foresee(Daemon& daemon, const Config& config) {
   co_return std::move(*words);
 }
 
-awaitable<Reloaded> Daemon::reload(Daemon& daemon, Config config) {
+awaitable<tl::expected<std::string, std::vector<std::string>>> Daemon::reload(Daemon& daemon,
+                                                                              Config config) {
   if (auto objection = daemon.objection_to(config))
     co_return tl::unexpected(std::vector{*objection});
   const auto next = config.daemon;

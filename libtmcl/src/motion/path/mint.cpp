@@ -30,15 +30,12 @@ std::string in_capitals(std::string_view word) {
 }
 
 /// A part of a line; the error is why it cannot be read on.
-template <class T>
-using Part = tl::expected<T, TextProblem>;
-
 class LineReader {
  public:
   LineReader(std::string_view line, std::size_t number) : cursor_(line), number_(number) {}
 
   /// Appends the statements of the line.
-  Part<void> read(Program& program) {
+  tl::expected<void, TextProblem> read(Program& program) {
     while (true) {
       while (cursor_.take(':')) {
       }
@@ -62,7 +59,7 @@ class LineReader {
   }
 
   /// Nothing if it is a remark.
-  Part<std::optional<Statement>> read_statement() {
+  tl::expected<std::optional<Statement>, TextProblem> read_statement() {
     const auto column = cursor_.column();
     const auto name = in_capitals(
         cursor_.take_while([](char c) { return is_letter(c) || is_digit(c) || c == '_'; }));
@@ -92,7 +89,7 @@ class LineReader {
                        did_you_mean(name, keyword_names));
   }
 
-  Part<std::vector<unsigned>> read_axes() {
+  tl::expected<std::vector<unsigned>, TextProblem> read_axes() {
     std::vector<unsigned> axes;
     const bool one = cursor_.take('.');
     const char close = one ? '\0' : cursor_.take('[') ? ']' : cursor_.take('(') ? ')' : '\0';
@@ -110,7 +107,7 @@ class LineReader {
     return axes;
   }
 
-  Part<unsigned> read_axis() {
+  tl::expected<unsigned, TextProblem> read_axis() {
     const auto column = cursor_.column();
     const auto digits = cursor_.take_while(is_digit);
     unsigned axis = 0;
@@ -123,7 +120,8 @@ class LineReader {
     return axis;
   }
 
-  Part<std::vector<AxisValue>> read_values(Keyword keyword, std::vector<unsigned> axes) {
+  tl::expected<std::vector<AxisValue>, TextProblem> read_values(Keyword keyword,
+                                                                std::vector<unsigned> axes) {
     if (!cursor_.take('=')) return wrong(fmt::format("'=' is missing after {}", name_of(keyword)));
     std::vector<double> values;
     std::size_t column = 0;
@@ -139,7 +137,7 @@ class LineReader {
     return distribute(keyword, std::move(axes), std::move(values), column);
   }
 
-  Part<double> read_value(Keyword keyword) {
+  tl::expected<double, TextProblem> read_value(Keyword keyword) {
     const auto column = cursor_.column();
     if (cursor_.at_end() || cursor_.peek() == '\'') return wrong("a number is missing");
     const auto word = cursor_.word();
@@ -151,8 +149,10 @@ class LineReader {
   }
 
   /// A semicolon after the last value: it holds for all axes that are left.
-  Part<std::vector<AxisValue>> distribute(Keyword keyword, std::vector<unsigned> axes,
-                                          std::vector<double> values, std::size_t column) {
+  tl::expected<std::vector<AxisValue>, TextProblem> distribute(Keyword keyword,
+                                                               std::vector<unsigned> axes,
+                                                               std::vector<double> values,
+                                                               std::size_t column) {
     const bool same_for_the_rest = cursor_.take(';');
     if (axes.empty()) {
       if (same_for_the_rest && is_move(keyword))
