@@ -22,8 +22,8 @@
 namespace tmcld::test {
 namespace {
 
-// Its module is simulated by a thread, which a busy machine may leave waiting: so the timeout is out
-// of reach. What floods cost is measured by the reactor's processor time.
+// A thread simulates its module, and a busy machine may keep that waiting: so the timeout is out of
+// reach. What floods cost is measured by the reactor's processor time.
 constexpr std::string_view other_bus = R"(
 [[bus]]
 name = "other"

@@ -5,7 +5,8 @@
 ///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
 ///     source = from_where_axes_stand(std::move(*source), text, axes, request);
 ///     source = by_steps(std::move(*source), axes);
-///     auto course = course_of(*source, limits_of(*source, axes), *feed_of(axes), request.tolerance);
+///     auto limits = limits_of(*source, axes);
+///     auto course = course_of(*source, limits, *feed_of(axes), request.tolerance);
 ///     auto wrong = objection_to_reach(*course, axes);
 ///     PathStream stream(*course, streamed(axes), options_of(request));
 #pragma once
