@@ -12,7 +12,6 @@
 
 #include <boost/json.hpp>
 
-#include "ctl_fixture.hpp"
 #include "fleet/call_round.hpp"
 #include "fleet/fleet_picture.hpp"
 #include "fleet/fleet_place.hpp"
@@ -21,6 +20,7 @@
 #include "support/random.hpp"
 #include "support/seed.hpp"
 #include "support/temp_path.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "axis/readings.hpp"
 #include "tmcl/api/system.hpp"
-#include "unit/ctl_host.hpp"
+#include "unit/ctl_bench.hpp"
 
 namespace tmclctl::test {
 namespace {
