@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "api/course_view.hpp"
+#include "tmcl/drive_report.hpp"
 #include "tmcl/plain_number.hpp"
 
 namespace tmcld {
@@ -18,14 +19,14 @@ using plan::StreamMode;
 
 constexpr std::array all_modes{StreamMode::velocity, StreamMode::segments, StreamMode::position};
 
-Expected told(const plan::Rehearsal& rehearsal, StreamMode mode, std::size_t axes,
+Expected told(const plan::Rehearsal& rehearsal, StreamMode mode, const Cast& cast,
               double tolerance) {
   Expected expected;
   expected.mode = name_of(mode);
-  if (rehearsal.fault) expected.refused = rehearsal.fault->message;
+  if (rehearsal.fault) expected.refused = tmcl::text_of(*rehearsal.fault, cast.names);
   expected.off_path = rehearsal.farthest;
   expected.off_path_at_s = rehearsal.at_s;
-  expected.off_path_at = to_list(rehearsal.position, axes);
+  expected.off_path_at = to_list(rehearsal.position, cast.axes.size());
   expected.lag_s = rehearsal.lag_s;
   expected.foreseen_s = rehearsal.passed_s;
   expected.keeps_tolerance = !rehearsal.fault && rehearsal.farthest <= tolerance;
@@ -43,6 +44,7 @@ Task<Cast> cast_of(const std::vector<std::shared_ptr<GatewayAxis>>& axes,
     auto stream = known[i].stream;
     stream.encoder.reset();  // A twin has none.
     cast.axes.push_back({std::move(stream), std::move(*twin), axes[i]->ramp_settings()});
+    cast.names.push_back(axes[i]->name());
     cast.command = std::max(cast.command, known[i].command);
   }
   co_return cast;
@@ -58,7 +60,7 @@ std::vector<Expected> expected_of(const plan::Course& course, const Cast& cast,
     auto options = options_of(request);
     options.mode = mode;
     const auto rehearsal = plan::rehearse(course, cast.axes, options, cast.command);
-    all.push_back(told(rehearsal, mode, cast.axes.size(), request.tolerance));
+    all.push_back(told(rehearsal, mode, cast, request.tolerance));
   }
   return all;
 }

@@ -16,7 +16,8 @@ namespace tmcld {
 /// What a rehearsal needs.
 struct Cast {
   std::vector<tmcl::plan::RehearsedAxis> axes;  ///< None where one has no twin.
-  tmcl::Duration command{};                     ///< The longest of any axis.
+  std::vector<std::string> names{};
+  tmcl::Duration command{};  ///< The longest of any axis.
 };
 /// The twins of the axes as they are set.
 Task<Cast> cast_of(const std::vector<std::shared_ptr<GatewayAxis>>& axes,

@@ -196,6 +196,16 @@ TEST_F(DaemonPathPlan, AModeThatLeavesThePathIsWarnedOfBeforeItIsRun) {
               HasSubstr("mode velocity is expected to leave the path by"));
 }
 
+// A microstep is 98 nm.
+TEST_F(DaemonPathPlan, AModeThatCannotPassNamesTheAxisForWhich) {
+  const auto planned = plan(corner, {{"tolerance", 1e-6}});
+  const auto& expected = planned.at("expected").at(0);
+  EXPECT_THAT(std::string(expected.at("refused").as_string()),
+              testing::ContainsRegex("^[xy] is 0[.0-9]+ off the path, at "));
+  EXPECT_THAT(json::serialize(planned.at("warnings")),
+              testing::ContainsRegex("mode velocity cannot pass this path: [xy] is 0"));
+}
+
 TEST(PathWarning, NamesAModeThatKeepsTheToleranceIfThereIsOne) {
   const auto mode = [](std::string name, double off, bool kept) {
     tmcl::api::path::Expected expected;
