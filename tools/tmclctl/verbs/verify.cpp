@@ -1,4 +1,6 @@
 // verify: a module held against its twin.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -20,9 +22,25 @@ std::string found_text(const api::axis::VerifiedTrait& trait) {
   return trait.fits.empty() ? "like none known" : fmt::format("{}", fmt::join(trait.fits, " or "));
 }
 
-bool is_as_foreseen(const api::axis::VerifiedTrait& trait) {
-  return trait.fits.size() == 1 && trait.fits.front() == trait.foreseen;
-}
+/// Of the traits that were measured.
+struct Verdicts {
+  std::size_t measured = 0;
+  std::size_t others = 0;     ///< What was foreseen does not fit.
+  std::size_t undecided = 0;  ///< It fits, and so does another variant.
+
+  void add(const api::axis::VerifiedTrait& trait) {
+    if (!trait.measured) return;
+    ++measured;
+    const bool fits = std::ranges::find(trait.fits, trait.foreseen) != trait.fits.end();
+    if (!fits) ++others;
+    if (fits && trait.fits.size() > 1) ++undecided;
+  }
+  std::string text() const {
+    auto text = others == 0 ? std::string("the module is as its twin")
+                            : fmt::format("{} not as foreseen", others);
+    return undecided == 0 ? text : fmt::format("{}; {} not decided", text, undecided);
+  }
+};
 
 void print(const api::axis::Verified& found, Output& output) {
   output.out << fmt::format("{}, firmware {}", found.model, found.firmware);
@@ -31,17 +49,14 @@ void print(const api::axis::Verified& found, Output& output) {
                               static_cast<double>(*found.answer_us) / 1000);
   output.out << '\n';
   Table table({"TRAIT", "TWIN", "MODULE", ""});
-  std::size_t measured = 0;
-  std::size_t others = 0;
+  Verdicts verdicts;
   for (const auto& trait : found.traits) {
     table.add({trait.trait, trait.foreseen, found_text(trait), trait.text});
-    if (trait.measured) ++measured;
-    if (trait.measured && !is_as_foreseen(trait)) ++others;
+    verdicts.add(trait);
   }
   table.print(output);
-  output.out << fmt::format(
-      "{} of {} traits measured; {}\n", measured, found.traits.size(),
-      others == 0 ? "the module is as its twin" : fmt::format("{} not as foreseen", others));
+  output.out << fmt::format("{} of {} traits measured; {}\n", verdicts.measured,
+                            found.traits.size(), verdicts.text());
 }
 
 api::axis::Verify params_of(const verb::Verify& verb) {
