@@ -76,7 +76,7 @@ TEST(CtlTuneOfAWeight, SaysWhatWasFoundDrawsTheTrialsAndSaysWhatToTypeNext) {
   EXPECT_THAT(one.out, ContainsRegex("^ +LIMIT +PROPOSED\n"
                                      "velocity +20[0-9]{4}pps +1[67][0-9]{4}pps +beyond that it "
                                      "lost steps\n"
-                                     "acceleration +480000pps/s +400000pps/s +no more was tried\n"
+                                     "acceleration +512000pps/s +426667pps/s +no more was tried\n"
                                      "current +1[0-9]{2} +1[0-9]{2} +below that it lost steps\n"
                                      "hold current +64 +77 +below that it slid at rest\n"
                                      "threshold +[0-9]+ +the load value keeps off 0\n"));

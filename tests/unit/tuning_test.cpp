@@ -114,6 +114,7 @@ TEST(Tuning, StaysWithinTheBoundsOfTheAxis) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->velocity.limited_by, LimitedBy::bounds);
   EXPECT_EQ(found->acceleration.limited_by, LimitedBy::bounds);
+  EXPECT_NEAR(found->acceleration.limit, 3000.0 * full_step, 1);
   EXPECT_LE(fastest, 400 * full_step + 1);
   EXPECT_LE(most_current, 255) << "what it had";
   for (const auto& trial : found->trials) EXPECT_LE(trial.current, 160);

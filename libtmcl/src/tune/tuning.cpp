@@ -116,7 +116,7 @@ Script<Result<void>> Tuner::find_velocity() {
 double Tuner::greatest_acceleration() const {
   if (!options_.greatest_acceleration) return greatest_acceleration_full_steps * ramps_.full_step;
   // The deceleration of a ramp with a bow is set to 16/15 of what it is.
-  const double part = has(tuned::max_bow) ? 15.0 / 16 : 1;
+  const double part = row_of("max_bow") != nullptr ? 15.0 / 16 : 1;
   return part * options_.greatest_acceleration->value;
 }
 
