@@ -12,6 +12,7 @@
 namespace tmcld::test {
 namespace {
 
+using testing::AnyOf;
 using tmcl::Command;
 using tmcl::number_of;
 using tmcl::plan::Setting;
@@ -37,14 +38,21 @@ TEST(RampLimits, AreTheSmallerOneOfAccelerationAndDeceleration) {
   EXPECT_EQ(limits("TMCM-6212", {{4, 900}, {5, 300}, {dmax, 200}}).acceleration, 200);
   EXPECT_EQ(limits("TMCM-6212", {{4, 900}, {5, 300}, {dmax, 0}}).acceleration, 300);
   EXPECT_EQ(limits("TMCM-6212", {{4, 900}, {5, 0}, {dmax, 400}}).acceleration, 0);
+  // There this number is a window of velocities.
+  EXPECT_EQ(limits("TMCM-1311", {{4, 900}, {5, 300}, {dmax, 1}}).acceleration, 300);
 }
 
 TEST(RampLimits, AreReadFromParametersThatTheModelHas) {
   for (const auto& model : tmcl::models()) {
     const auto parameters = tmcl::plan::ramp_limit_parameters(model);
     EXPECT_GE(parameters.size(), 2U) << model.name;
-    for (const auto parameter : parameters)
-      EXPECT_NE(find_parameter(axis_parameters(model), parameter), nullptr) << model.name;
+    for (const auto parameter : parameters) {
+      const auto* row = find_parameter(axis_parameters(model), parameter);
+      ASSERT_NE(row, nullptr) << model.name;
+      EXPECT_THAT(row->name,
+                  AnyOf("max_velocity", "max_acceleration", "acceleration", "max_deceleration"))
+          << model.name;
+    }
   }
 }
 

@@ -9,11 +9,14 @@ namespace {
 
 namespace ap = axis_parameter;
 
-constexpr auto deceleration = number_of("max_deceleration");
-
 std::int32_t value_of(std::span<const Setting> settings, std::uint8_t parameter) {
   const auto found = std::ranges::find(settings, parameter, &Setting::parameter);
   return found == settings.end() ? 0 : found->value;
+}
+
+// By its name: the firmware of a TMCM-1311 has something else under that number.
+const ParameterInfo* deceleration_of(const Model& model) {
+  return find_parameter(axis_parameters(model), "max_deceleration");
 }
 
 }  // namespace
@@ -24,8 +27,7 @@ std::uint8_t acceleration_parameter(const Model& model) {
 
 std::vector<std::uint8_t> ramp_limit_parameters(const Model& model) {
   std::vector<std::uint8_t> parameters{ap::max_velocity, acceleration_parameter(model)};
-  if (find_parameter(axis_parameters(model), deceleration) != nullptr)
-    parameters.push_back(deceleration);
+  if (const auto* row = deceleration_of(model)) parameters.push_back(row->number);
   return parameters;
 }
 
@@ -33,7 +35,8 @@ std::vector<std::uint8_t> ramp_limit_parameters(const Model& model) {
 RampLimits ramp_limits(const Model& model, std::span<const Setting> settings) {
   RampLimits limits{value_of(settings, ap::max_velocity),
                     value_of(settings, acceleration_parameter(model))};
-  const auto braking = value_of(settings, deceleration);
+  const auto* row = deceleration_of(model);
+  const auto braking = row != nullptr ? value_of(settings, row->number) : 0;
   if (braking > 0) limits.acceleration = std::min(limits.acceleration, braking);
   return limits;
 }
