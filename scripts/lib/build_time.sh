@@ -1,7 +1,7 @@
 # How long the programs take to build; sourced by scripts/demo, and by the test of what README.md says.
 
-# Measured with g++ 12: 1,006 s of processor time for 54 steps, each of several sources. The same virtual machine has taken
-# two thirds of that on other days.
+# Measured with g++ 12: 1,006 s of processor time for 54 steps, each of several sources. On other days the same
+# virtual machine took two thirds of that.
 readonly tenths_of_second_per_step=186
 
 # minutes_to_build STEPS PROCESSORS: rounded.
