@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using tmcl::sim::FirmwareRelease;
 
-tl::expected<Options, std::string> parsed_of(std::vector<std::string> words) {
+tl::expected<Options, std::string> parse(std::vector<std::string> words) {
   words.insert(words.begin(), "tmclsim");
   std::vector<const char*> pointers;
   for (const auto& word : words) pointers.push_back(word.c_str());
@@ -22,20 +22,20 @@ tl::expected<Options, std::string> parsed_of(std::vector<std::string> words) {
       .map([](const auto& parsed) { return std::get<Options>(parsed); });
 }
 
-tl::expected<Options, std::string> parse(std::vector<std::string> words) {
+tl::expected<Options, std::string> parse_on_a_pty(std::vector<std::string> words) {
   words.insert(words.end(), {"--pty", "/tmp/bus"});
-  return parsed_of(std::move(words));
+  return parse(std::move(words));
 }
 
 std::string error_of(const std::vector<std::string>& words) {
-  const auto parsed = parse(words);
+  const auto parsed = parse_on_a_pty(words);
   if (parsed) return "";
   return parsed.error();
 }
 
 TEST(SimOptions, AFirmwareIsThatOfTheModuleBefore) {
-  const auto parsed = parse({"--module", "TMCM-1110", "--firmware", "1.09", "--module", "TMCM-3110",
-                             "--module=TMCM-6110", "--firmware=9.99"});
+  const auto parsed = parse_on_a_pty({"--module", "TMCM-1110", "--firmware", "1.09", "--module",
+                                      "TMCM-3110", "--module=TMCM-6110", "--firmware=9.99"});
   ASSERT_TRUE(parsed) << parsed.error();
   const auto& modules = parsed->modules;
   ASSERT_EQ(modules.size(), 3U);
@@ -52,11 +52,10 @@ TEST(SimOptions, AGatewayTakesNoPort) {
 TEST(SimOptions, ADebuggerTakesNoPortAndOneModule) {
   EXPECT_THAT(error_of({"--module", "TMCM-1110", "--debug", "loop.tmc"}),
               HasSubstr("--debug takes no port"));
-  const auto one = parsed_of({"--module", "TMCM-1110", "--debug", "loop.tmc"});
+  const auto one = parse({"--module", "TMCM-1110", "--debug", "loop.tmc"});
   ASSERT_TRUE(one) << one.error();
   EXPECT_EQ(one->debug, "loop.tmc");
-  const auto two =
-      parsed_of({"--module", "TMCM-1110", "--module", "TMCM-1110", "--debug", "loop.tmc"});
+  const auto two = parse({"--module", "TMCM-1110", "--module", "TMCM-1110", "--debug", "loop.tmc"});
   ASSERT_FALSE(two);
   EXPECT_THAT(two.error(), HasSubstr("--debug takes one module"));
 }
@@ -72,8 +71,8 @@ TEST(SimOptions, AModuleIsLikeTheOneOfAFileAndStillHasTheFirmwareThatIsSaid) {
   const auto path = tmcl::test::temp_path("module.toml");
   std::ofstream(path) << "[module]\nmodel = \"TMCM-1110\"\nfirmware_version = \"1.09\"\n"
                          "order = \"pulse_first\"\n";
-  const auto parsed = parse({"--module", "TMCM-1110", "--as", path.c_str(), "--module", "TMCM-1110",
-                             "--as", path.c_str(), "--firmware", "1.11"});
+  const auto parsed = parse_on_a_pty({"--module", "TMCM-1110", "--as", path.c_str(), "--module",
+                                      "TMCM-1110", "--as", path.c_str(), "--firmware", "1.11"});
   ASSERT_TRUE(parsed) << parsed.error();
   const auto& modules = parsed->modules;
   EXPECT_EQ(modules[0].settings.firmware, (FirmwareRelease{1, 9}));
