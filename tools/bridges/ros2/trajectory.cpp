@@ -82,7 +82,7 @@ class Passing {
           const std::function<bool()>& cancelled)
       : caller_(std::move(caller)), axes_(std::move(axes)), cancelled_(cancelled) {}
 
-  tl::expected<void, Failure> pass(const Trajectory& trajectory, double lease_ttl_s);
+  tl::expected<void, Failure> pass(const Trajectory& trajectory, const TrajectoryChoices& choices);
 
  private:
   tl::expected<void, Failure> take_lease(double ttl_s);
@@ -90,7 +90,7 @@ class Passing {
   std::string table_of(const Trajectory& trajectory) const;
   std::optional<double> deviation_of(const Trajectory& trajectory) const;
   tl::expected<void, Failure> hand_over(const std::string& table);
-  tl::expected<std::int32_t, Failure> plan(const Trajectory& trajectory);
+  tl::expected<std::int32_t, Failure> plan(const Trajectory& trajectory, double period_s);
   tl::expected<void, Failure> run(std::int32_t plan);
 
   client::Caller caller_;
@@ -158,7 +158,7 @@ tl::expected<void, Failure> Passing::hand_over(const std::string& table) {
   return {};
 }
 
-tl::expected<std::int32_t, Failure> Passing::plan(const Trajectory& trajectory) {
+tl::expected<std::int32_t, Failure> Passing::plan(const Trajectory& trajectory, double period_s) {
   const auto table = table_of(trajectory);
   if (auto handed = hand_over(table); !handed) return tl::unexpected(handed.error());
   api::path::Plan wish;
@@ -166,6 +166,7 @@ tl::expected<std::int32_t, Failure> Passing::plan(const Trajectory& trajectory) 
   wish.bytes = static_cast<std::uint32_t>(table.size());
   wish.format = "csv";
   wish.deviation = deviation_of(trajectory);
+  wish.period_ms = static_cast<std::int32_t>(std::lround(period_s * 1000));
   wish.name = "trajectory";
   const auto planned = caller_.call(wish, {.timeout = longest_silence, .meanwhile = {}});
   if (!planned) return refused(planned.error());
@@ -199,12 +200,13 @@ tl::expected<void, Failure> Passing::run(std::int32_t plan) {
   return {};
 }
 
-tl::expected<void, Failure> Passing::pass(const Trajectory& trajectory, double lease_ttl_s) {
+tl::expected<void, Failure> Passing::pass(const Trajectory& trajectory,
+                                          const TrajectoryChoices& choices) {
   if (auto looked = look_at_axes(); !looked) return looked;
-  const auto planned = plan(trajectory);
+  const auto planned = plan(trajectory, choices.period_s);
   if (!planned) return tl::unexpected(planned.error());
   if (cancelled_()) return failed(Kind::cancelled, "cancelled before anything moved");
-  if (auto leased = take_lease(lease_ttl_s); !leased) return leased;
+  if (auto leased = take_lease(choices.lease_ttl_s); !leased) return leased;
   return run(*planned);
 }
 
@@ -220,8 +222,7 @@ tl::expected<void, Failure> carry_out(const Trajectory& trajectory,
       choices.socket,
       {.wait_for_socket = {}, .hello_timeout = longest_answer, .call_timeout = longest_answer});
   if (!caller) return refused(caller.error());
-  return Passing(std::move(*caller), std::move(*axes), cancelled)
-      .pass(trajectory, choices.lease_ttl_s);
+  return Passing(std::move(*caller), std::move(*axes), cancelled).pass(trajectory, choices);
 }
 
 }  // namespace tmcl::ros2

@@ -28,6 +28,7 @@ struct Trajectory {
 struct TrajectoryChoices {
   std::string socket = "/run/tmcld/tmcld.sock";
   double lease_ttl_s = 2;                     ///< 1 to 60
+  double period_s = 0.005;                    ///< Between two updates; 0.005 to 1.
   std::map<std::string, std::string> axes{};  ///< By joints.
 };
 

@@ -68,11 +68,14 @@ class TrajectoryNode : public rclcpp::Node {
     const std::vector<std::string> none;
     choices_.socket = declare_parameter("gateway", choices_.socket);
     choices_.lease_ttl_s = declare_parameter("lease_ttl", choices_.lease_ttl_s);
+    choices_.period_s = declare_parameter("period", choices_.period_s);
     const auto joints = declare_parameter("joints", none);
     auto axes = declare_parameter("axes", none);
     if (axes.empty()) axes = joints;
     if (!(choices_.lease_ttl_s >= 1 && choices_.lease_ttl_s <= 60))
       throw std::invalid_argument("lease_ttl is 1 to 60 seconds");
+    if (!(choices_.period_s >= 0.005 && choices_.period_s <= 1))
+      throw std::invalid_argument("period is 0.005 to 1 seconds");
     if (joints.empty() || axes.size() != joints.size())
       throw std::invalid_argument("joints names the joints, and axes the axis of each of them");
     for (std::size_t i = 0; i < joints.size(); ++i) choices_.axes[joints[i]] = axes[i];
