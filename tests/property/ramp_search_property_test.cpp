@@ -2,6 +2,7 @@
 // simulated motors that have just the torque that was reckoned with.
 #include "tmcl/plan/ramp_search.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +16,7 @@
 namespace tmcl::plan {
 namespace {
 
+const std::vector<std::string> with_smooth_ramps{"TMCM-142", "TMCM-6212", "TMCM-1378"};
 const std::vector<std::string> one_of_each_family{"TMCM-1110", "TMCM-142", "TMCM-6212",
                                                   "TMCM-1378"};
 constexpr double full_step = 256;
@@ -94,16 +96,19 @@ MotorWish any_motor(tmcl::test::Random<>& random) {
   return motor;
 }
 
+std::string described(const MotorWish& motor) {
+  const auto& torque = motor.torque;
+  return fmt::format("load {}, friction {}, inertia {}, corner {}, margin {}", torque.load,
+                     torque.load_per_velocity, torque.inertia, torque.corner_speed.value_or(0),
+                     motor.margin);
+}
+
 TEST_P(RampSearchOf, NoRampOfAGridIsQuickerWithinTheTorque) {
   for (int round = 0; round < tmcl::test::rounds(3); ++round) {
     const auto search = search_on(GetParam(), any_distance());
     const auto motor = any_motor(random);
     const double most = 1 / (1 + motor.margin);
-    SCOPED_TRACE(testing::Message()
-                 << search.distance.value << ", load " << motor.torque.load << ", friction "
-                 << motor.torque.load_per_velocity << ", inertia " << motor.torque.inertia
-                 << ", corner " << motor.torque.corner_speed.value_or(0) << ", margin "
-                 << motor.margin);
+    SCOPED_TRACE(testing::Message() << search.distance.value << ", " << described(motor));
     const auto found = quickest_ramp(search, motor);
     ASSERT_TRUE(found) << describe(found.error(), search);
     EXPECT_LE(torque_use(found->move, motor.torque, full_step).share, most);
@@ -117,14 +122,6 @@ TEST_P(RampSearchOf, NoRampOfAGridIsQuickerWithinTheTorque) {
     }
   }
 }
-
-constexpr auto name_of_model = [](const auto& model) {
-  auto name = model.param;
-  std::erase(name, '-');
-  return name;
-};
-INSTANTIATE_TEST_SUITE_P(EachFamily, RampSearchOf, testing::ValuesIn(one_of_each_family),
-                         name_of_model);
 
 /// Whether a simulated motor with so many times the load loses steps with this ramp.
 bool loses_steps(const RampSearch& search, const FoundRamp& found, const MotorTorque& torque,
@@ -147,13 +144,15 @@ bool loses_steps(const RampSearch& search, const FoundRamp& found, const MotorTo
   return world.module.stage(0).position() != search.distance.value;
 }
 
-// It looks at speed and load every millisecond, as the search does.
-TEST(RampSearchProperty, ASimulatedMotorHasTheTorqueForTheQuickestRamp) {
-  tmcl::test::Random<> random(tmcl::test::seed());
+// It looks at speed and load every millisecond, as the search does; but at each stair of a TMC429,
+// whose ramps the search takes as smooth.
+using SmoothRampOf = RampSearchOf;
+TEST_P(SmoothRampOf, IsJustWhatASimulatedMotorHasTheTorqueFor) {
   for (int round = 0; round < tmcl::test::rounds(4); ++round) {
     const auto search =
-        search_on("TMCM-6212", static_cast<std::int32_t>(random.between(5'000, 500'000)));
+        search_on(GetParam(), static_cast<std::int32_t>(random.between(5'000, 500'000)));
     const auto motor = any_motor(random);
+    SCOPED_TRACE(testing::Message() << search.distance.value << ", " << described(motor));
     const auto found = quickest_ramp(search, motor);
     ASSERT_TRUE(found);
     EXPECT_FALSE(loses_steps(search, *found, motor.torque, 1));
@@ -164,6 +163,16 @@ TEST(RampSearchProperty, ASimulatedMotorHasTheTorqueForTheQuickestRamp) {
     }
   }
 }
+
+constexpr auto name_of_model = [](const auto& model) {
+  auto name = model.param;
+  std::erase(name, '-');
+  return name;
+};
+INSTANTIATE_TEST_SUITE_P(EachFamily, RampSearchOf, testing::ValuesIn(one_of_each_family),
+                         name_of_model);
+INSTANTIATE_TEST_SUITE_P(EachFamily, SmoothRampOf, testing::ValuesIn(with_smooth_ramps),
+                         name_of_model);
 
 }  // namespace
 }  // namespace tmcl::plan

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -208,17 +209,18 @@ class QuickestRamp {
   QuickestRamp(const Trials& trials, const MotorWish& motor)
       : trials_(trials), motor_(motor), most_share_(1 / (1 + motor.margin)) {}
 
+  /// Finer and finer: a little more velocity or acceleration may have other dividers on a TMC429,
+  /// whose coarser stairs ask for more torque, so that the time has many minima.
   tl::expected<FoundRamp, RampSearchFault> find() {
-    constexpr int parts = 48;
-    constexpr double slowest = 1e-3;  // of the fastest
+    constexpr double coarse = 1.15;
+    constexpr double fine = 1.03;
+    constexpr double finest = 1.005;
     const double fastest = fastest_with_torque();
-    if (!(fastest > 0))
-      return tl::unexpected(RampSearchFault{RampSearchFault::Kind::too_little_torque});
-    const double step = std::pow(slowest, 1.0 / parts);
-    double velocity = fastest;
-    for (int i = 0; i <= parts; ++i, velocity *= step) look_at(velocity);
+    const double slowest = fastest / 1000;
+    for (const double step : {coarse, fine}) look_between(slowest, fastest, step);
     if (!best_) return tl::unexpected(RampSearchFault{RampSearchFault::Kind::too_little_torque});
-    look_around(step, fastest);
+    const double velocity = best_->velocity;
+    look_between(velocity / fine, std::min(fine * velocity, fastest), finest);
     return trials_.found(*best_);
   }
 
@@ -249,53 +251,54 @@ class QuickestRamp {
     return use.share <= most_share_ ? std::move(tried) : std::nullopt;
   }
 
-  /// The steepest ramp with this velocity. A trapezoid needs most torque where it gets up to speed;
-  /// an S-curve has little acceleration left there.
-  void look_at(double velocity) {
-    constexpr double step = 1.5;
-    const double steepest = trials_.steepest(velocity);
-    const double per_acceleration = motor_.torque.inertia / 1e6 / motor_.microsteps_per_full_step;
-    double known = per_acceleration > 0 ? spare(velocity) / per_acceleration : steepest;
-    known = std::min(trials_.within_reach(velocity, known), steepest);
-    double unknown = known;
-    auto tried = within_torque(velocity, known);
-    if (tried) {
-      while (unknown < steepest) {
-        unknown = std::min(step * known, steepest);
-        auto next = within_torque(velocity, unknown);
-        if (!next) break;
-        known = unknown;
-        tried = std::move(next);
-      }
-    } else {
-      constexpr int most_steps = 12;
-      for (int i = 0; i < most_steps && !tried; ++i) {
-        unknown = known;
-        known /= step;
-        tried = within_torque(velocity, known);
-      }
-      if (!tried) return;
+  /// Each velocity and acceleration is this much less than the one before it.
+  void look_between(double slowest, double fastest, double step) {
+    for (double velocity = fastest; velocity > slowest; velocity /= step) look_at(velocity, step);
+  }
+  /// The steepest ramp with this velocity that the motor has the torque for, and may be quicker
+  /// than the best.
+  void look_at(double velocity, double step) {
+    if (!may_be_quicker(velocity, trials_.steepest(velocity))) return;
+    double acceleration = steepest(velocity);
+    while (may_be_quicker(velocity, acceleration) && !keep(velocity, acceleration)) {
+      const double next = trials_.within_reach(velocity, acceleration / step);
+      if (next >= acceleration) return;
+      acceleration = next;
     }
-    keep(std::move(*tried));
-    if (known >= unknown) return;
-    first_at_which(unknown, known, [&](double middle) {
-      auto next = within_torque(velocity, middle);
-      if (!next) return false;
-      keep(std::move(*next));
-      return true;
-    });
   }
-  void keep(Tried tried) {
-    if (!best_ || tried.seconds() < best_->seconds()) best_ = std::move(tried);
+  /// An S-curve may have more acceleration than the trapezoid: little of it is left at the top.
+  double steepest(double velocity) {
+    constexpr double more = 1.5;
+    constexpr double rounded = 1.1;
+    const double most = trials_.steepest(velocity);
+    double steepest = trials_.within_reach(velocity, rounded * steepest_trapezoid(velocity, most));
+    while (steepest < most && keep(velocity, steepest)) steepest = std::min(more * steepest, most);
+    return std::min(steepest, most);
   }
-
-  /// Between the velocities beside the best one: the time has no second minimum there, but that of
-  /// a TMC429 jumps a little, since its dividers make some accelerations coarse.
-  void look_around(double step, double fastest) {
-    constexpr int parts = 24;
-    const double finer = std::pow(step, 2.0 / parts);
-    double velocity = best_->velocity / step;
-    for (int i = 0; i <= parts; ++i, velocity *= finer) look_at(std::min(velocity, fastest));
+  /// It asks for most torque where it ends to get faster.
+  double steepest_trapezoid(double velocity, double most) const {
+    const double per_acceleration = motor_.torque.inertia / 1e6 / motor_.microsteps_per_full_step;
+    const auto is_too_much = [&](double acceleration) {
+      const double peak = std::min(velocity, std::sqrt(trials_.distance() * acceleration));
+      return per_acceleration * acceleration > spare(peak);
+    };
+    return is_too_much(most) ? first_at_which(most, 1, std::not_fn(is_too_much)) : most;
+  }
+  /// Whether an ideal ramp with these would be quicker than the best.
+  bool may_be_quicker(double velocity, double acceleration) const {
+    if (!best_) return true;
+    const double way = trials_.distance();
+    const double to_speed = velocity * velocity / acceleration;
+    const double seconds = to_speed <= way ? way / velocity + velocity / acceleration
+                                           : 2 * std::sqrt(way / acceleration);
+    return seconds < best_->seconds();
+  }
+  /// Whether the motor has the torque for it.
+  bool keep(double velocity, double acceleration) {
+    auto tried = within_torque(velocity, acceleration);
+    if (!tried) return false;
+    if (!best_ || tried->seconds() < best_->seconds()) best_ = std::move(*tried);
+    return true;
   }
 
   const Trials& trials_;
