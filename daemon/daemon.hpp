@@ -29,8 +29,8 @@ class Daemon {
  public:
   /// The configuration as it is now, or would be with this text in the file that clients may set.
   /// May block.
-  using LoadAgain =
-      std::function<tl::expected<Config, BadFiles>(const std::optional<std::string>& managed)>;
+  using LoadAgain = std::function<tl::expected<Config, tmcl::TextProblems>(
+      const std::optional<std::string>& managed)>;
 
   /// Claims the socket, or takes that of the service, and opens the ports. The context must outlive
   /// it. Errors: a sentence for a person, with what to try.

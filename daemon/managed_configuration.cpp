@@ -26,11 +26,12 @@ Error cannot_reload(std::string why, std::string hint = {}) {
   return not_now("cannot_reload", std::move(why), std::move(hint));
 }
 
-Error error_of_files(const BadFiles& bad) {
-  if (!bad.unread.empty()) return cannot_reload(bad.unread);
-  auto error = param_error<&Set::toml>("bad_configuration", describe(bad.problems.front()));
+Error error_of_files(const tmcl::TextProblems& problems) {
+  const auto first = describe(problems.front());
+  if (problems.front().line == 0) return cannot_reload(first);
+  auto error = param_error<&Set::toml>("bad_configuration", first);
   boost::json::array all;
-  for (const auto& one : bad.problems) {
+  for (const auto& one : problems) {
     if (all.size() == most_problems) break;
     all.push_back(boost::json::object{
         {"file", one.file}, {"line", one.line}, {"column", one.column}, {"message", one.message}});
@@ -76,7 +77,7 @@ awaitable<Result<Managed>> ManagedConfiguration::get() {
   if (path.empty()) co_return Managed{};
   auto work = [path] { return read_managed_file(path); };
   const auto read = co_await daemon_.gateway().planner.plan(std::move(work));
-  if (!read) co_return tl::unexpected(failed("not_readable", read.error()));
+  if (!read) co_return tl::unexpected(failed("not_readable", describe(read.error())));
   Managed managed{path};
   if (*read) managed.toml = (*read)->text;
   co_return managed;

@@ -52,7 +52,7 @@ std::string managed_file(const ConfigText& text) {
   return text.daemon.empty() ? "" : text.daemon.front().managed.value_or("");
 }
 
-tl::expected<std::optional<ConfigFile>, std::string> managed_of(
+tl::expected<std::optional<ConfigFile>, tmcl::TextProblem> managed_of(
     const ConfigText& text, const std::optional<std::string>& in_its_place) {
   const auto path = managed_file(text);
   if (path.empty()) return std::nullopt;
@@ -60,25 +60,19 @@ tl::expected<std::optional<ConfigFile>, std::string> managed_of(
   return read_managed_file(path);
 }
 
-tl::expected<ConfigText, BadFiles> read_all(const std::string& path, OfDaemon daemon,
-                                            const std::optional<std::string>& managed = {}) {
+tl::expected<ConfigText, tmcl::TextProblems> read_all(
+    const std::string& path, OfDaemon daemon, const std::optional<std::string>& managed = {}) {
   const auto files = read_config_files(path);
-  if (!files) return tl::unexpected(BadFiles{files.error()});
+  if (!files) return tl::unexpected(tmcl::TextProblems{files.error()});
   ConfigText all;
   for (const auto& file : *files) read_sections(file.text, file.path, daemon, all);
   const auto last = managed_of(all, managed);
-  if (!last) return tl::unexpected(BadFiles{last.error()});
+  if (!last) return tl::unexpected(tmcl::TextProblems{last.error()});
   if (*last) read_sections((*last)->text, (*last)->path, OfDaemon::refused, all);
   check_is_single(all.daemon, all.problems);
   check_is_single(all.http, all.problems);
   check_is_single(all.path, all.problems);
   return all;
-}
-
-Lines lines_of_problems(const tmcl::TextProblems& problems) {
-  Lines lines;
-  for (const auto& problem : problems) lines.push_back(describe(problem));
-  return lines;
 }
 
 // ---- one bus of several ------------------------------------------------------------------------
@@ -120,8 +114,10 @@ tl::expected<Config, tmcl::TextProblems> parse_config(std::string_view toml) {
   return build(std::move(text));
 }
 
-Lines lines_of(const BadFiles& bad) {
-  return bad.unread.empty() ? lines_of_problems(bad.problems) : Lines{bad.unread};
+Lines lines_of(const tmcl::TextProblems& problems) {
+  Lines lines;
+  for (const auto& problem : problems) lines.push_back(describe(problem));
+  return lines;
 }
 
 tl::expected<LoadedConfig, Lines> load_config(const std::string& path) {
@@ -129,19 +125,17 @@ tl::expected<LoadedConfig, Lines> load_config(const std::string& path) {
   if (!text) return tl::unexpected(lines_of(text.error()));
   demand_daemon_section(*text);
   const auto files = text->files.size();
-  return build(std::move(*text)).map_error(lines_of_problems).map([&](Config config) {
+  return build(std::move(*text)).map_error(lines_of).map([&](Config config) {
     return LoadedConfig{std::move(config), files};
   });
 }
 
-tl::expected<Config, BadFiles> load_config_with(const std::string& path,
-                                                const std::optional<std::string>& managed) {
+tl::expected<Config, tmcl::TextProblems> load_config_with(
+    const std::string& path, const std::optional<std::string>& managed) {
   auto text = read_all(path, OfDaemon::read, managed);
   if (!text) return tl::unexpected(std::move(text.error()));
   demand_daemon_section(*text);
-  return build(std::move(*text)).map_error([](tmcl::TextProblems problems) {
-    return BadFiles{{}, std::move(problems)};
-  });
+  return build(std::move(*text));
 }
 
 tl::expected<std::optional<HttpConfig>, Lines> load_http_config(const std::string& path) {
@@ -149,21 +143,21 @@ tl::expected<std::optional<HttpConfig>, Lines> load_http_config(const std::strin
   if (!text) return tl::unexpected(lines_of(text.error()));
   auto http = http_of(*text);
   if (text->problems.empty()) return http;
-  return tl::unexpected(lines_of_problems(build(std::move(*text)).error()));
+  return tl::unexpected(lines_of(build(std::move(*text)).error()));
 }
 
 tl::expected<Config, Lines> load_config_for_link(const std::string& path,
                                                  const tmcl::LinkName& link) {
   auto text = read_all(path, OfDaemon::ignored);
   if (!text) return tl::unexpected(lines_of(text.error()));
-  if (!text->problems.empty()) return build(std::move(*text)).map_error(lines_of_problems);
+  if (!text->problems.empty()) return build(std::move(*text)).map_error(lines_of);
   auto& buses = text->buses;
   const auto found = std::ranges::find_if(
       buses, [&](const BusSection& bus) { return buses.size() == 1 || has_link(bus, link); });
   if (found == buses.end()) return tl::unexpected(Lines{path + ": " + no_bus_for(buses, link)});
   *found->link = to_string(link);
   keep_only(*text, std::string(*found->name));
-  auto config = build(std::move(*text)).map_error(lines_of_problems);
+  auto config = build(std::move(*text)).map_error(lines_of);
   if (!config) return config;
   // What runs for one call does not feed a module: it must not give it a deadman. Nor does it
   // watch its settings.

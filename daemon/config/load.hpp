@@ -27,17 +27,13 @@ struct LoadedConfig {
 /// Errors: one line each, "FILE:LINE:COLUMN: what is wrong", or why a file cannot be read.
 tl::expected<LoadedConfig, std::vector<std::string>> load_config(const std::string& path);
 
-/// Why files are no configuration: one of them cannot be read, or all that is wrong in them.
-struct BadFiles {
-  std::string unread{};  ///< A line; empty: all were read.
-  tmcl::TextProblems problems{};
-};
 /// As a daemon with this text in the file that clients may set, whatever stands there now. Without
-/// a text: as load_config().
-tl::expected<Config, BadFiles> load_config_with(const std::string& path,
-                                                const std::optional<std::string>& managed);
-/// One line each, as load_config() has them.
-std::vector<std::string> lines_of(const BadFiles& bad);
+/// a text: as load_config(). Errors: one without a line if a file cannot be read, or all that is
+/// wrong in the files.
+tl::expected<Config, tmcl::TextProblems> load_config_with(
+    const std::string& path, const std::optional<std::string>& managed);
+/// As load_config() has them.
+std::vector<std::string> lines_of(const tmcl::TextProblems& problems);
 
 /// For a gateway on one link: [daemon] may be missing, and is ignored with the file that it names.
 /// The link takes the place of that of the only bus, or of the bus that has this link; no other bus

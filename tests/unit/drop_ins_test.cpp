@@ -125,9 +125,9 @@ TEST_F(DropIns, AFolderIsNoConfiguration) {
     ::chmod(path("tmcld.d").c_str(), static_cast<mode_t>(mode));
     const auto read = read_config_files(path("tmcld.d"));
     ASSERT_FALSE(read);
-    EXPECT_EQ(read.error(), path("tmcld.d") +
-                                ": is a folder; a configuration is a file, such as "
-                                "/etc/tmcl/tmcld.toml");
+    EXPECT_EQ(describe(read.error()), path("tmcld.d") +
+                                          ": is a folder; a configuration is a file, such as "
+                                          "/etc/tmcl/tmcld.toml");
   }
 }
 
@@ -199,8 +199,8 @@ TEST_F(ManagedFile, IsReplacedByATextThatIsTried) {
   EXPECT_FALSE(load_with(std::nullopt));
   const auto bad = load_with("\n[[port]]\n");
   ASSERT_FALSE(bad);
-  EXPECT_EQ(bad.error().problems.at(0).file, path("managed.toml"));
-  EXPECT_EQ(bad.error().problems.at(0).line, 2U);
+  EXPECT_EQ(bad.error().at(0).file, path("managed.toml"));
+  EXPECT_EQ(bad.error().at(0).line, 2U);
 }
 
 TEST_F(ManagedFile, IsNoMoreThanATextWhereNoneIsNamed) {

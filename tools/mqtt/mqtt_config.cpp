@@ -225,7 +225,7 @@ tl::expected<MqttConfig, tmcl::TextProblems> parse_mqtt_config(std::string_view 
 
 tl::expected<MqttConfig, std::vector<std::string>> load_mqtt_config(const std::string& path) {
   const auto files = tmcld::read_config_files(path);
-  if (!files) return tl::unexpected(std::vector<std::string>{files.error()});
+  if (!files) return tl::unexpected(std::vector<std::string>{describe(files.error())});
   MqttText text;
   tmcl::TextProblems problems;
   tmcld::SectionsRead read{&text, problems};
