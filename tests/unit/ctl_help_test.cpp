@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <ranges>
 #include <set>
 #include <sstream>
 
@@ -32,8 +34,7 @@ Words verbs_under(Words group) {
   return lines_of(information(group));
 }
 
-/// Each verb as it is typed, with the words of its group.
-std::vector<Words> all_verbs() {
+std::vector<Words> sought_verbs() {
   std::vector<Words> verbs;
   for (const auto& verb : verbs_under({})) {
     verbs.push_back({verb});
@@ -41,13 +42,29 @@ std::vector<Words> all_verbs() {
   }
   return verbs;
 }
-
-std::string help_of(Words verb) {
-  verb.emplace_back("--help");
-  return information(verb);
+// To build the options of all verbs takes long with sanitizers: so these are kept for all tests.
+/// Each verb as it is typed, with the words of its group.
+const std::vector<Words>& all_verbs() {
+  static const auto verbs = sought_verbs();
+  return verbs;
+}
+const std::string& help_of(const Words& verb) {
+  static std::map<Words, std::string> known;
+  auto& text = known[verb];
+  if (text.empty()) {
+    auto words = verb;
+    words.emplace_back("--help");
+    text = information(words);
+  }
+  return text;
 }
 
-bool is_group(const Words& verb) { return !verbs_under(verb).empty(); }
+bool is_group(const Words& verb) {
+  return std::ranges::any_of(all_verbs(), [&](const Words& other) {
+    return other.size() > verb.size() &&
+           std::ranges::equal(verb, other | std::views::take(verb.size()));
+  });
+}
 
 /// Without what is said beside it, three blanks further on.
 std::string command_in(const std::string& line) { return line.substr(0, line.find("   ", 2)); }
