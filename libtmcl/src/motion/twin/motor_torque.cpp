@@ -61,7 +61,7 @@ TorqueUse torque_use(const FollowedMove& move, const MotorTorque& motor,
   Speedometer speedometer(move);
   TorqueUse most;
   double before = 0;
-  // At its end the motor stands: the last of its speed, of a microstep, ends in the field.
+  // The last stop does not count: a simulated motor that stands is asked for no inertia.
   for (double time = step; time < end; time += step) {
     const double speed = std::abs(speedometer.at(time)) / microsteps_per_full_step;
     const double share = motor.asked(speed, (speed - before) / step) / motor.there(speed);

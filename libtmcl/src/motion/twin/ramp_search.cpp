@@ -275,7 +275,7 @@ class QuickestRamp {
     while (steepest < most && keep(velocity, steepest)) steepest = std::min(more * steepest, most);
     return std::min(steepest, most);
   }
-  /// It asks for most torque where it ends to get faster.
+  /// It asks for most torque at the end of its acceleration.
   double steepest_trapezoid(double velocity, double most) const {
     const double per_acceleration = motor_.torque.inertia / 1e6 / motor_.microsteps_per_full_step;
     const auto is_too_much = [&](double acceleration) {
