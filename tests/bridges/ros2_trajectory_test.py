@@ -135,6 +135,12 @@ class Refused(TrajectoryTest):
         self.assert_refused(INVALID_GOAL, "soft limit", {100: (-200, 0)})
         self.assert_refused(INVALID_GOAL, "too fast for axis joint1", {0.01: (100, 0)})
 
+    def test_a_parameter_out_of_its_range_ends_the_node(self):
+        for parameter in ("period=0.004", "period=1.1", "period=nan", "lease_ttl=0.5", "lease_ttl=61"):
+            with self.subTest(parameter=parameter):
+                self.start_host(parameter)
+                self.assertEqual(self.host.wait(LONGEST_S), 1)
+
     def test_an_axis_of_another_client_is_not_moved_and_goes_on(self):
         with self.second.lease("y", ttl=LONGEST_S):
             self.assert_refused(INVALID_GOAL, "leased", ROUND)
