@@ -19,8 +19,9 @@ Course with_a_dwell() {
 
 TEST(PlaceOnPath, IsNeitherOffNorLateWhereItIsPlanned) {
   const auto course = with_a_dwell();
+  PlaceFinder places(course);
   for (double time = 0; time < course.duration() + 0.2; time += 0.01) {
-    const auto place = place_on_path(course, time, course.at(time).position, 0);
+    const auto place = places.nearest(time, course.at(time).position, 0);
     EXPECT_NEAR(place.off, 0, 1e-6) << "at " << time;
     // Where it speeds up, a chord of the search is as near some ms earlier.
     EXPECT_NEAR(place.lag_s, 0, 0.006) << "at " << time;
@@ -31,7 +32,7 @@ TEST(PlaceOnPath, IsAsLateAndAsFarOffAsItIsPut) {
   const auto course = with_a_dwell();
   auto there = course.at(0.3).position;
   there[1] += 0.25;
-  const auto place = place_on_path(course, 0.35, there, 0);
+  const auto place = PlaceFinder(course).nearest(0.35, there, 0);
   EXPECT_NEAR(place.off, 0.25, 1e-9);
   EXPECT_NEAR(place.lag_s, 0.05, 1e-9);
 }

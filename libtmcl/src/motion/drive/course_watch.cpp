@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/drive/place_on_path.hpp"
-
 namespace tmcl::plan {
 
 CourseWatch::CourseWatch(const Course& course, CourseSight& sight, std::size_t axes,
                          std::size_t most_seen)
-    : course_(course), sight_(sight), most_seen_(most_seen) {
+    : course_(course), places_(course), sight_(sight), most_seen_(most_seen) {
   sight_.axes.resize(axes);
   sight_.seen.reserve(most_seen);
 }
@@ -26,7 +24,7 @@ void CourseWatch::note(std::size_t axis, double off) {
 void CourseWatch::look(double time, const AxisValues& planned) {
   auto place = planned;
   for (std::size_t axis = 0; axis < sight_.axes.size(); ++axis) place[axis] += off_plan_[axis];
-  const auto [off, lag] = place_on_path(course_, time, place, sight_.largest_off);
+  const auto [off, lag] = places_.nearest(time, place, sight_.largest_off);
   const double passed = std::min(time, course_.duration());
   sight_.largest_lag_s = std::max(sight_.largest_lag_s, lag);
   keep({passed, place, course_.unshaped_at(time - lag).position});

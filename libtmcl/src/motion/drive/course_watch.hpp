@@ -1,6 +1,7 @@
 /// Where the axes of a course are seen, by one of the ways to see them.
 #pragma once
 
+#include "motion/drive/place_on_path.hpp"
 #include "tmcl/plan/stream.hpp"
 
 namespace tmcl::plan {
@@ -22,6 +23,7 @@ class CourseWatch {
   void keep(const SeenPlace& seen);
 
   const Course& course_;
+  PlaceFinder places_;
   CourseSight& sight_;
   std::size_t most_seen_;
   AxisValues off_plan_{};

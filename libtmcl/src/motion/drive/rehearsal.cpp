@@ -115,6 +115,7 @@ class Rehearsing {
   Rehearsing(const Course& course, std::vector<RehearsedAxis> axes, const StreamOptions& options,
              Duration command)
       : course_(course),
+        places_(course),
         command_(std::max(command, Duration(1))),
         look_interval_(look_interval_for(course)) {
     const auto start = course.at(0).position;
@@ -178,7 +179,7 @@ class Rehearsing {
     AxisValues position{};
     for (std::size_t axis = 0; axis < understudies_.size(); ++axis)
       position[axis] = understudies_[axis].position() / scales_[axis];
-    const double off = place_on_path(course_, stream_->passed(), position, made_.farthest).off;
+    const double off = places_.nearest(stream_->passed(), position, made_.farthest).off;
     if (off <= made_.farthest) return;
     made_.farthest = off;
     made_.at_s = stream_->passed();
@@ -186,6 +187,7 @@ class Rehearsing {
   }
 
   const Course& course_;
+  PlaceFinder places_;
   const Duration command_;
   const Duration look_interval_;
   std::vector<double> scales_;

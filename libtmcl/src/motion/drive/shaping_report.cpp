@@ -49,9 +49,10 @@ ShapingReport report_on_shaping(const Course& course, const ramp::Resonance& res
   report.swing = swings_after(course, resonance);
   report.unshaped =
       swings_after(course, resonance, [&](double time) { return course.unshaped_at(time); });
+  PlaceFinder places(course);
   const double look = std::max(least_look_s, course.duration() / most_places);
   for (double time = 0; time < course.duration(); time += look) {
-    const double off = place_on_path(course, time, course.at(time).position, report.farthest).off;
+    const double off = places.nearest(time, course.at(time).position, report.farthest).off;
     if (off <= std::max(report.farthest, on_the_path)) continue;
     report.farthest = off;
     report.at_s = time;
