@@ -214,7 +214,7 @@ inline bool is_possible(const KindOfCaller& caller, const KnownState& state) {
 
 // ---- what a command does -----------------------------------------------------------------------
 
-inline std::vector<tmcl::Intent> all_intents() {
+inline std::vector<tmcl::Intent> find_all_intents() {
   using Key = std::tuple<int, int, int, int, bool, bool>;
   std::set<Key> seen;
   std::vector<tmcl::Intent> all;
@@ -236,6 +236,12 @@ inline std::vector<tmcl::Intent> all_intents() {
       }
     }
   }
+  return all;
+}
+
+/// One intent for each way in which intents differ.
+inline const std::vector<tmcl::Intent>& all_intents() {
+  static const auto all = find_all_intents();
   return all;
 }
 
