@@ -102,9 +102,9 @@ Read list(std::vector<std::string>& into);
 Read named_axes(std::vector<std::string>& into);
 /// "200ms", "0.2s" or "0.2".
 Reading read_time(const std::string& text, double least_s, double greatest_s, double& seconds);
-/// How often something is shown: 10 ms to a minute.
 /// In Hz, with or without that.
 Read resonance(std::optional<double>& hertz);
+/// How often something is shown: 10 ms to a minute.
 Read milliseconds(std::chrono::milliseconds& into);
 /// The name of a drawing, which is SVG: that of another kind of picture is refused.
 Read svg_file(std::string& into);
