@@ -61,6 +61,21 @@ TEST_F(Listening, BegunAnewItKnowsWhatWasAskedLast) {
   EXPECT_EQ(kind(), HeardKind::answers);
 }
 
+TEST_F(Listening, BegunWithinALineItQuotesTheFirstThatIsWhole) {
+  const std::string prompt = "\r\ngateway login: ";
+  for (std::size_t cut = 0; cut <= prompt.size(); ++cut) {
+    for (const bool anew : {false, true}) {
+      heard = Heard();
+      ask();
+      if (anew) come(prompt.substr(0, cut));
+      if (anew) heard.begin_anew();
+      come(prompt.substr(cut));
+      come(prompt);
+      EXPECT_EQ(heard.verdict().text, "gateway login: ") << "cut at " << cut;
+    }
+  }
+}
+
 TEST_F(Listening, TheVersionMayComeAsAText) {
   ask();
   come(

@@ -31,7 +31,8 @@ std::string_view name_of(HeardKind kind);
 struct HeardVerdict {
   HeardKind kind = HeardKind::nothing;
   std::uint64_t bytes = 0;  ///< How many came.
-  std::string text{};       ///< The first of it, printable; empty where it is none.
+  /// The first line of it that came whole, or else the first of it; empty where it is none.
+  std::string text{};
 };
 
 /// One sentence on what came.
@@ -59,6 +60,14 @@ class Heard {
   void note_character(char character);
   HeardKind kind() const;
   bool is_text() const;
+  void take_line();
+
+  /// Bytes that can be printed, in a row.
+  struct Line {
+    std::string text{};
+    bool has_word = false;
+    bool is_whole = false;  ///< The end of another line came before it.
+  };
 
   std::uint8_t host_;
   SerialDecoder decoder_;
@@ -73,10 +82,9 @@ class Heard {
   std::uint64_t answers_ = 0, damaged_ = 0, foreign_ = 0, echoes_ = 0;  ///< Datagrams.
   std::uint64_t stray_ = 0;                                             ///< Bytes of none of them.
   std::uint64_t printable_ = 0;                                         ///< Of those.
-  std::string line_;         ///< The printable ones that came last, in a row.
+  Line line_;                ///< The printable ones that came last.
   std::size_t letters_ = 0;  ///< At its end.
-  bool has_text_ = false;
-  std::string text_;
+  Line text_;                ///< The first that is whole, or the first of all.
 };
 
 }  // namespace tmcl

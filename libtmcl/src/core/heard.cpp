@@ -101,18 +101,25 @@ void Heard::note_stray(std::uint8_t byte) {
 
 void Heard::note_character(char character) {
   if (!is_printable(character)) {
-    if (has_text_ && text_.empty()) text_ = line_;
-    line_.clear();
+    take_line();
+    line_ = {};
+    line_.is_whole = ends_line(character);
     letters_ = 0;
     return;
   }
   letters_ = is_letter(character) ? letters_ + 1 : 0;
-  if (letters_ >= letters_of_word) has_text_ = true;
-  if (line_.size() < most_text) line_ += character;
+  if (letters_ >= letters_of_word) line_.has_word = true;
+  if (line_.text.size() < most_text) line_.text += character;
+}
+
+void Heard::take_line() {
+  if (!line_.has_word) return;
+  if (!text_.has_word || (line_.is_whole && !text_.is_whole)) text_ = line_;
 }
 
 bool Heard::is_text() const {
-  return has_text_ && stray_ >= least_text && printable_ * 100 >= stray_ * text_percent;
+  return (text_.has_word || line_.has_word) && stray_ >= least_text &&
+         printable_ * 100 >= stray_ * text_percent;
 }
 
 HeardKind Heard::kind() const {
@@ -131,9 +138,9 @@ HeardKind Heard::kind() const {
 HeardVerdict Heard::verdict() const {
   auto end = *this;
   for (const auto byte : std::span(window_).first(size_)) end.note_stray(byte);
-  if (end.has_text_ && end.text_.empty()) end.text_ = end.line_;
+  end.take_line();
   const auto kind = end.kind();
-  return {kind, bytes_, kind == HeardKind::text ? end.text_ : std::string()};
+  return {kind, bytes_, kind == HeardKind::text ? end.text_.text : std::string()};
 }
 
 std::string_view name_of(HeardKind kind) {

@@ -99,7 +99,7 @@ export interface Methods {
           kind: string;
           /** how many came in */
           bytes: number;
-          /** the first of it, up to 40 characters */
+          /** the first whole line of it, up to 40 characters */
           text: string | null;
           /** the same in a sentence */
           meaning: string;
@@ -196,7 +196,7 @@ export interface Methods {
           kind: string;
           /** how many came in */
           bytes: number;
-          /** the first of it, up to 40 characters */
+          /** the first whole line of it, up to 40 characters */
           text: string | null;
           /** the same in a sentence */
           meaning: string;

@@ -195,7 +195,7 @@ class BusListBusesHeard(Record):
     kind: str = ""
     #: how many came in
     bytes: int = 0
-    #: the first of it, up to 40 characters
+    #: the first whole line of it, up to 40 characters
     text: str | None = None
     #: the same in a sentence
     meaning: str = ""

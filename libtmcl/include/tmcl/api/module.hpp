@@ -49,7 +49,7 @@ struct Heard {
   TMCL_FIELD(std::string, kind,
              "nothing, answers, wrong_checksums, foreign, echo, text, other_baud_rate, noise");
   TMCL_FIELD(std::uint64_t, bytes, "how many came in");
-  TMCL_FIELD(std::optional<std::string>, text, "the first of it, up to 40 characters");
+  TMCL_FIELD(std::optional<std::string>, text, "the first whole line of it, up to 40 characters");
   TMCL_FIELD(std::string, meaning, "the same in a sentence");
   TMCL_FIELD(std::optional<std::string>, hint, "what to try; absent after answers");
 };
