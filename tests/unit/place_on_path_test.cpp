@@ -1,6 +1,8 @@
 // How far axes are off their path, and how late on it.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "motion/drive/place_on_path.hpp"
 
 namespace tmcl::plan {
@@ -25,6 +27,21 @@ TEST(PlaceOnPath, IsNeitherOffNorLateWhereItIsPlanned) {
     EXPECT_NEAR(place.off, 0, 1e-6) << "at " << time;
     // Where it speeds up, a chord of the search is as near some ms earlier.
     EXPECT_NEAR(place.lag_s, 0, 0.006) << "at " << time;
+  }
+}
+
+TEST(PlaceOnPath, IsTheSameWhateverWasSoughtBefore) {
+  const auto course = with_a_dwell();
+  PlaceFinder places(course);
+  // Times beyond both ends, further apart than what is kept.
+  for (int i = 0; i < 200; ++i) {
+    const double time = std::fmod(i * 2.718, 2 * course.duration() + 4) - 2;
+    auto there = course.at(time).position;
+    there[0] += 0.3;
+    const auto place = places.nearest(time, there, 0.1);
+    const auto fresh = PlaceFinder(course).nearest(time, there, 0.1);
+    EXPECT_EQ(place.off, fresh.off) << "at " << time;
+    EXPECT_EQ(place.lag_s, fresh.lag_s) << "at " << time;
   }
 }
 
