@@ -118,8 +118,7 @@ void Heard::take_line() {
 }
 
 bool Heard::is_text() const {
-  return (text_.has_word || line_.has_word) && stray_ >= least_text &&
-         printable_ * 100 >= stray_ * text_percent;
+  return text_.has_word && stray_ >= least_text && printable_ * 100 >= stray_ * text_percent;
 }
 
 HeardKind Heard::kind() const {
