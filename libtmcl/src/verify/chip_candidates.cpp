@@ -162,10 +162,9 @@ bool fits(const Course& course, const Experiment& experiment, const WatchedMove&
 
 // ---- whether two of them could be told apart --------------------------------------------------
 
-/// When it makes each microstep, there and back.
-std::vector<Duration> times(const Chip& chip, const Experiment& experiment) {
+std::vector<Duration> times_of(const Chip& levelled, const Experiment& experiment) {
   std::vector<Duration> times;
-  auto at = chip;
+  auto at = levelled;
   for (const auto distance : {experiment.distance, -experiment.distance}) {
     const auto course = course_of(at, experiment, distance);
     for (std::int32_t i = 1; i <= experiment.distance; ++i) {
@@ -188,13 +187,11 @@ Duration difference(std::span<const Duration> one, std::span<const Duration> oth
   return greatest - least;
 }
 
-bool are_apart(const std::vector<Duration>& one, const std::vector<Duration>& other,
+bool are_apart(std::span<const Duration> one, std::span<const Duration> other,
                Duration resolution) {
   const auto half = one.size() / 2;
-  const std::span a(one);
-  const std::span b(other);
-  return difference(a.first(half), b.first(half)) > resolution ||
-         difference(a.subspan(half), b.subspan(half)) > resolution;
+  return difference(one.first(half), other.first(half)) > resolution ||
+         difference(one.subspan(half), other.subspan(half)) > resolution;
 }
 
 }  // namespace
@@ -235,16 +232,23 @@ std::vector<std::uint8_t> ChipCandidates::variants(Trait trait) const {
   return found;
 }
 
-std::size_t ChipCandidates::pairs_apart(const Experiment& experiment, Duration resolution,
-                                        Pairs pairs) const {
-  const auto bits = std::max(experiment.dividers.pulse, experiment.dividers.ramp);
-  resolution += time_of(Tick{1} << bits);
-  std::vector<std::vector<Duration>> all;
-  for (const auto& candidate : candidates_) {
-    auto chip = candidate.chips.front();
+const ChipCandidates::Times& ChipCandidates::times(const Variant& variant,
+                                                   std::size_t experiment) const {
+  const auto [known, is_new] = times_.try_emplace({variant, experiment});
+  if (is_new) {
+    auto chip = chip_of(variant);
     make_level(chip, 1);
-    all.push_back(times(chip, experiment));
+    known->second = times_of(chip, all_experiments.at(experiment));
   }
+  return known->second;
+}
+
+std::size_t ChipCandidates::pairs_apart(std::size_t experiment, Duration resolution,
+                                        Pairs pairs) const {
+  const auto& dividers = all_experiments.at(experiment).dividers;
+  resolution += time_of(Tick{1} << std::max(dividers.pulse, dividers.ramp));
+  std::vector<std::span<const Duration>> all;
+  for (const auto& candidate : candidates_) all.push_back(times(candidate.variant, experiment));
   const auto is_wanted = [&](std::size_t i, std::size_t j) {
     auto other = candidates_[j].variant;
     other[order_index] = candidates_[i].variant[order_index];
@@ -259,10 +263,10 @@ std::size_t ChipCandidates::pairs_apart(const Experiment& experiment, Duration r
   return apart;
 }
 
-Duration ChipCandidates::longest(const Experiment& experiment) const {
+Duration ChipCandidates::longest(std::size_t experiment) const {
   Duration longest{};
   for (const auto& candidate : candidates_)
-    longest = std::max(longest, std::ranges::max(times(candidate.chips.front(), experiment)));
+    longest = std::max(longest, std::ranges::max(times(candidate.variant, experiment)));
   return longest;
 }
 

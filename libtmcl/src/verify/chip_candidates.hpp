@@ -12,8 +12,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "tmcl/clock.hpp"
@@ -70,10 +72,10 @@ class ChipCandidates {
     only_by_order,  ///< Nothing else is different. Mostly a phase of the tick can be taken for it.
   };
   /// How many pairs of those that fit would be told apart by readings that are known to within
-  /// this time.
-  std::size_t pairs_apart(const Experiment& experiment, Duration resolution, Pairs pairs) const;
+  /// this time; `experiment` counts in experiments().
+  std::size_t pairs_apart(std::size_t experiment, Duration resolution, Pairs pairs) const;
   /// How long one way takes at most, by what fits.
-  Duration longest(const Experiment& experiment) const;
+  Duration longest(std::size_t experiment) const;
 
   /// The motor has made a levelling move.
   void level(std::int32_t distance);
@@ -88,8 +90,12 @@ class ChipCandidates {
     std::vector<Chip> chips;  ///< It is one of these: what is left of a microstep is not known.
   };
   static Chip chip_of(const Variant& variant);
+  using Times = std::vector<Duration>;
+  /// When a levelled one makes each microstep, there and back; computed once.
+  const Times& times(const Variant& variant, std::size_t experiment) const;
 
   std::vector<Candidate> candidates_;
+  mutable std::map<std::pair<Variant, std::size_t>, Times> times_;
   Chip twin_;
 };
 

@@ -53,10 +53,10 @@ Script<std::optional<std::size_t>> ChipTrials::choose(Pairs pairs_of) const {
   const auto all = plan::experiments();
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (made_.at(i) >= most_repetitions || !is_within(all[i])) continue;
-    const auto pairs = candidates_.pairs_apart(all[i], 2 * watched_.usual_exchange(), pairs_of);
+    const auto pairs = candidates_.pairs_apart(i, 2 * watched_.usual_exchange(), pairs_of);
     co_await pause({});
     if (pairs == 0) continue;
-    const std::chrono::duration<double> time = 1s + 2 * candidates_.longest(all[i]);
+    const std::chrono::duration<double> time = 1s + 2 * candidates_.longest(i);
     const auto score = static_cast<double>(pairs) / time.count();
     if (score > best_score) best = i;
     best_score = std::max(score, best_score);
@@ -64,8 +64,9 @@ Script<std::optional<std::size_t>> ChipTrials::choose(Pairs pairs_of) const {
   co_return best;
 }
 
-Script<Result<void>> ChipTrials::way(Experiment experiment, std::int32_t target) {
-  const auto limit = candidates_.longest(experiment) + grace;
+Script<Result<void>> ChipTrials::way(std::size_t number, std::int32_t target) {
+  const auto& experiment = plan::experiments()[number];
+  const auto limit = candidates_.longest(number) + grace;
   const auto move = co_await must(watched_.move_to(target, limit));
   const auto foreseen = candidates_.judge(experiment, move);
   const auto& arrival = move.sightings.back().when;
@@ -89,12 +90,13 @@ Script<Result<void>> ChipTrials::level() {
   co_return Result<void>{};
 }
 
-Script<Result<void>> ChipTrials::make(Experiment experiment) {
+Script<Result<void>> ChipTrials::make(std::size_t number) {
+  const auto& experiment = plan::experiments()[number];
   co_await must(level());
   co_await must(watched_.set(experiment));
   const auto here = watched_.home().value + room_.sign * offset_;
-  co_await must(way(experiment, here + room_.sign * experiment.distance));
-  co_await must(way(experiment, here));
+  co_await must(way(number, here + room_.sign * experiment.distance));
+  co_await must(way(number, here));
   co_return Result<void>{};
 }
 
@@ -109,7 +111,7 @@ Script<Result<void>> ChipTrials::run() {
     inquiry_.tell(fmt::format("moves by {} there and back: {} of the chip left",
                               count(static_cast<std::size_t>(next.distance), "microstep"),
                               count(candidates_.size(), "variant")));
-    co_await must(make(next));
+    co_await must(make(*best));
   }
   conclude();
   co_await must(watched_.go_home());

@@ -27,8 +27,9 @@ class ChipTrials {
  private:
   Script<std::optional<std::size_t>> choose(plan::ChipCandidates::Pairs pairs_of) const;
   Script<Result<void>> level();
-  Script<Result<void>> make(plan::Experiment experiment);
-  Script<Result<void>> way(plan::Experiment experiment, std::int32_t target);
+  /// The one of that number in experiments(), there and back.
+  Script<Result<void>> make(std::size_t number);
+  Script<Result<void>> way(std::size_t number, std::int32_t target);
   bool is_within(const plan::Experiment& experiment) const;
   void conclude();
 
