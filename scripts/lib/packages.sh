@@ -125,21 +125,24 @@ packages_of() {
   done | grep . | sort -u
 }
 
+# The packages that are there, of those named. Node is often there from elsewhere: what counts is that it can
+# be called, and Debian's npm may not go with it.
 _packages_installed() {
-  # Node is often there from elsewhere: what counts is that it can be called, and Debian's npm may not go with it.
-  case $1 in
-    nodejs) ! command -v node >/dev/null || return 0 ;;
-    npm) ! command -v npm >/dev/null || return 0 ;;
-  esac
-  [[ $(dpkg-query -W -f='${db:Status-Status}\n' "$1" 2>/dev/null | head -n1) == installed ]]
+  ! command -v node >/dev/null || echo nodejs
+  ! command -v npm >/dev/null || echo npm
+  dpkg-query -W -f='${db:Status-Status} ${Package}\n' "$@" 2>/dev/null | awk '$1 == "installed" { print $2 }' || true
 }
 
 # The lines of the given sets whose package is not installed.
 _packages_missing() {
-  local line
-  while read -r line; do
-    _packages_installed "${line%%|*}" || printf '%s\n' "$line"
-  done < <(packages_of "$(packages_release)" "$@")
+  local lines names name line
+  local -A is_installed=()
+  lines=$(packages_of "$(packages_release)" "$@")
+  mapfile -t names < <(cut -d'|' -f1 <<<"$lines")
+  while read -r name; do is_installed[$name]=yes; done < <(_packages_installed "${names[@]}")
+  while IFS= read -r line; do
+    [[ -n ${is_installed[${line%%|*}]:-} ]] || printf '%s\n' "$line"
+  done <<<"$lines"
 }
 
 _can_be_root() { ((EUID == 0)) || command -v sudo >/dev/null; }
