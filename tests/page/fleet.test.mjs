@@ -41,6 +41,7 @@ describe("the page of a fleet with two gateways", () => {
   before(async () => {
     gateways = [await Gateway.create(broker, "hall3-1"), await Gateway.create(broker, "hall3-2")];
     [one, other] = gateways;
+    for (const { bench } of gateways) for (const name of ["x", "y"]) await bench.slow(name);
   });
   after(async () => {
     for (const gateway of gateways) await gateway.end();
@@ -77,7 +78,7 @@ describe("the page of a fleet with two gateways", () => {
     await counts("2 gateways: 2 online, 0 away");
     await axisRow("hall3-1", "x").getByText("stands").waitFor();
     const { position } = await one.bench.state("x");
-    one.tmclctl("move", "x", `${position > 0 ? position - 5 : position + 5}mm`);
+    one.tmclctl("move", "x", `${position > 0 ? position - 1 : position + 1}mm`);
     await axisRow("hall3-1", "x").getByText("moves").waitFor();
     // On the way only telemetry tells where it is, and that comes as the page wishes for it.
     const seen = new Set();

@@ -275,6 +275,7 @@ describe("the text of a program", () => {
     await editor().focus();
     await page.keyboard.type("MVP ABS, 0, 1");
     await until("a text with spaces", async () => (await editor().inputValue()) === "MVP ABS, 0, 1");
+    await bench.slow("x");
     await bench.call("axis.move_to", { axis: "x", position: 150 });
     await bench.moves("x");
     // The page may hear of the movement a little later.

@@ -21,10 +21,11 @@ describe("a page that needs no token", () => {
   });
 
   it("shows the axes, and moves one", async () => {
-    // Five seconds: a busy machine draws late.
+    const quicken = await bench.slow("x");
     await move(page, "x", "100");
     await card(page, "x").getByText("Arrives in").waitFor();
     await card(page, "x").getByText("100 mm").first().waitFor();
+    await quicken();
     await bench.stands("x");
     assert.equal((await bench.state("x")).target, 100);
     await card(page, "x").getByText("Arrives in").waitFor({ state: "detached" });
@@ -45,7 +46,10 @@ describe("a page that needs no token", () => {
     ["space bar, with the focus on a button", (page) => button(card(page, "y"), "Move").press("Space")],
   ]) {
     it(`stops all by the ${how}, and says when every axis stood`, async () => {
-      for (const name of ["x", "y", "z"]) await move(page, name, "150");
+      for (const name of ["x", "y", "z"]) {
+        await bench.slow(name);
+        await move(page, name, "150");
+      }
       for (const name of ["x", "y", "z"]) await bench.moves(name);
       await press(page);
       await page.getByText("All stand: x, y, z").waitFor();
@@ -67,6 +71,7 @@ describe("a page that needs no token", () => {
   });
 
   it("says in red that tmcld cannot be reached, and stops all when it can", async () => {
+    await bench.slow("x");
     await move(page, "x", "150");
     await bench.moves("x");
     await bench.daemon.end("SIGKILL");
@@ -78,6 +83,7 @@ describe("a page that needs no token", () => {
   });
 
   it("stops all while its other scripts hang", async () => {
+    await bench.slow("x");
     await move(page, "x", "150");
     await bench.moves("x");
     const other = await open(bench.url);
@@ -299,6 +305,7 @@ describe("the scope", () => {
 
     await button(page, "Forecast").click();
     await until("no differences", async () => (await differences.count()) === 0);
+    await bench.slow("x");
     await move(page, "x", "0");
     await bench.moves("x");
     const rows = (await recorded()).length;
@@ -406,6 +413,7 @@ describe("who is who", () => {
     const page = await open(bench.url);
     await page.getByText(/may stop axes, and nothing else/).waitFor();
     assert.deepEqual(await page.getByRole("button").allTextContents(), ["Stop all"]);
+    await bench.slow("x");
     await bench.call("axis.move_to", { axis: "x", position: 150 });
     await bench.moves("x");
     await page.keyboard.press("Space");
@@ -452,6 +460,7 @@ describe("who is who", () => {
     const offered = await page.locator("button:not(.tabs button)").allTextContents();
     assert.deepEqual(offered, ["Sign out", "Stop all", "Stop", "Stop", "Stop", "Add"]);
     assert.equal(await card(page, "x").getByRole("textbox").count(), 0);
+    await bench.slow("x");
     await bench.call("axis.move_to", { axis: "x", position: 150 });
     await bench.moves("x");
     await page.keyboard.press("Space");
