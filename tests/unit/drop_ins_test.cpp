@@ -216,7 +216,8 @@ TEST_F(ManagedFile, HasAWholePath) {
               ElementsAre(HasSubstr("tmcld.toml:3:11: 'managed' must be a whole path")));
 }
 
-TEST_F(ManagedFile, IsWrittenByTheOwnerOfItsFolderOnly) {
+using ManagedFileAsRoot = ManagedFile;
+TEST_F(ManagedFileAsRoot, IsWrittenByTheOwnerOfItsFolderOnly) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   write("managed.toml", "");
   ASSERT_EQ(::chown(path("managed.toml").c_str(), 12345, 0), 0);

@@ -196,7 +196,7 @@ TEST(LinkFile, SaysWhyItCannotLookAtItsPath) {
   EXPECT_THAT(made.error(), HasSubstr("File name too long"));
 }
 
-TEST(SerialLink, WhoMayNotOpenItIsToldWhoMay) {
+TEST(SerialLinkAsRoot, WhoMayNotOpenItIsToldWhoMay) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can take its rights away";
   const test::Pty pty;
   constexpr gid_t games = 60;
