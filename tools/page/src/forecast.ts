@@ -46,8 +46,9 @@ export function followState(state: StateTold, onNew: (forecast: Forecast) => voi
   targets.set(axis, target);
   if (forecasts.get(axis)?.targetMicrosteps !== target) forecasts.delete(axis);
   const known = atRest.get(axis);
-  // One that has its target and does not move yet is about to.
-  const isAboutToMove = known !== undefined && known.state.target_microsteps !== target && !state.position_reached;
+  // One that has its target and does not move yet is about to. Whether it is there is read first, and may be of before.
+  const isThere = state.position_reached && state.position_microsteps === target;
+  const isAboutToMove = known !== undefined && known.state.target_microsteps !== target && !isThere;
   if (!state.moving && !isAboutToMove) {
     atRest.set(axis, { state, movesSinceMs: null });
     return;
