@@ -49,20 +49,26 @@ void expect_component(const json::object& component) {
     const auto known = [&](const Words& words) { return words.contains(std::string(name)); };
     EXPECT_TRUE(known(of_every_entity) || known(allowed.at(platform))) << name;
     const bool is_topic = name.ends_with("_topic");
-    if (is_topic) EXPECT_EQ(value.as_string().find_first_of("+#"), std::string::npos);
+    if (is_topic) {
+      EXPECT_EQ(value.as_string().find_first_of("+#"), std::string::npos);
+    }
   }
   if (const auto* of_class = component.if_contains("device_class")) {
     const std::string text(of_class->as_string());
     EXPECT_TRUE(device_classes.at(platform).contains(text)) << text;
-    if (text == "distance")
+    if (text == "distance") {
       EXPECT_TRUE(units_of_distance.contains(text_of(component, "unit_of_measurement")));
+    }
   }
-  if (const auto* category = component.if_contains("entity_category"))
+  if (const auto* category = component.if_contains("entity_category")) {
     EXPECT_THAT(std::string(category->as_string()), AnyOf("config", "diagnostic"));
-  if (const auto* state_class = component.if_contains("state_class"))
+  }
+  if (const auto* state_class = component.if_contains("state_class")) {
     EXPECT_EQ(*state_class, "measurement");
-  if (const auto* text = component.if_contains("value_template"))
+  }
+  if (const auto* text = component.if_contains("value_template")) {
     EXPECT_THAT(std::string(text->as_string()), StartsWith("{{ "));
+  }
 }
 
 void expect_rules(const json::object& config) {

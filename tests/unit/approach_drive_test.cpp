@@ -137,7 +137,9 @@ TEST(ApproachDrive, AlwaysComesFromItsSide) {
     const auto sent = scene.targets();
     for (const auto place : sent) EXPECT_TRUE(place >= -1000 && place <= 1000) << place;
     const bool has_room = target > from_below.range.least;
-    if (has_room && sent.size() > 1) EXPECT_LE(sent[sent.size() - 2], target);
+    if (has_room && sent.size() > 1) {
+      EXPECT_LE(sent[sent.size() - 2], target);
+    }
   }
 }
 

@@ -176,8 +176,10 @@ TEST(Settling, IsOverWhenNoLookOfTheLastWhileWasOff) {
       continue;
     }
     ++settled;
-    for (const auto& [time, value] : looks)
-      if (time >= now - steady) ASSERT_LE(std::abs(value), window.width) << "round " << round;
+    for (const auto& [time, value] : looks) {
+      if (time < now - steady) continue;
+      ASSERT_LE(std::abs(value), window.width) << "round " << round;
+    }
   }
   EXPECT_GT(settled, 100);
 }
