@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "sim/module/module.hpp"
+#include "support/temp_path.hpp"
 #include "tmcl/program.hpp"
 #include "unit/ctl_bench.hpp"
 
@@ -43,7 +44,7 @@ class CtlMethods : public testing::Test {
  protected:
   BenchOf6212 ctl;
   std::string file(const std::string& name, const std::string& contents) {
-    const auto path = testing::TempDir() + name;
+    const auto path = tmcl::test::temp_path(name);
     std::ofstream(path, std::ios::binary) << contents;
     return path;
   }
@@ -309,7 +310,7 @@ TEST_F(CtlMethods, DownloadPrintsTextThatMakesTheSameProgram) {
   ctl.run({"program", "upload", file("host_up.tmc", "MVP ABS, 0, 5\nSTOP\n"), "1"});
   EXPECT_EQ(ctl.run({"program", "download", "1"}), ExitCode::done);
   EXPECT_THAT(ctl.out, HasSubstr("MVP"));
-  const auto path = testing::TempDir() + "host_down.bin";
+  const auto path = tmcl::test::temp_path("host_down.bin");
   EXPECT_EQ(ctl.run({"program", "download", "1", "-o", path}), ExitCode::done);
   std::ifstream in(path, std::ios::binary);
   const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};

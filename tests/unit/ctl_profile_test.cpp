@@ -19,6 +19,7 @@
 #include "profile/setup.hpp"
 #include "support/build_paths.hpp"
 #include "support/seed.hpp"
+#include "support/temp_path.hpp"
 #include "tmcl/ramp/tmc429.hpp"
 #include "unit/ctl_bench.hpp"
 
@@ -586,7 +587,7 @@ TEST_F(CtlProfile, DrawsOnTheScreenAndIntoFiles) {
   EXPECT_THAT(out, HasSubstr("tmc429 went from 0 to 20000 microsteps in 0.34 s, fastest velocity "
                              "1000 [internal]\n"));
   EXPECT_THAT(out, HasSubstr("velocity [internal]"));
-  const auto path = std::filesystem::path(testing::TempDir()) / "ctl_profile_test.svg";
+  const std::filesystem::path path = tmcl::test::temp_path("ctl_profile_test.svg");
   EXPECT_EQ(run(move_429({"--svg", path})), ExitCode::done);
   EXPECT_EQ(out, "");
   std::ifstream in(path);
@@ -766,7 +767,7 @@ TEST_F(CtlProfile, TellsWithWhichProfileALoadSettlesFirst) {
   EXPECT_THAT(out, HasSubstr("SWINGS [mm]"));
   EXPECT_THAT(out, HasSubstr("SETTLED [s]"));
   EXPECT_THAT(out, HasSubstr("the load settles first "));
-  const auto path = std::filesystem::path(testing::TempDir()) / "ctl_load_test.svg";
+  const std::filesystem::path path = tmcl::test::temp_path("ctl_load_test.svg");
   ASSERT_EQ(run(move_429({"--resonance", "5", "--svg", path})), ExitCode::done) << err;
   std::ifstream in(path);
   const std::string svg{std::istreambuf_iterator<char>(in), {}};
@@ -873,7 +874,7 @@ std::vector<std::vector<std::string>> examples_in(std::string text) {
 
 TEST_F(CtlProfile, TheExamplesOfTheHelpWork) {
   const auto before = std::filesystem::current_path();
-  const auto folder = std::filesystem::path(testing::TempDir()) / "ctl_profile_examples";
+  const std::filesystem::path folder = tmcl::test::temp_path("ctl_profile_examples");
   std::filesystem::create_directories(folder);
   std::filesystem::current_path(folder);
   std::string seen;

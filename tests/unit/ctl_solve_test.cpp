@@ -8,6 +8,7 @@
 
 #include "command_line/options.hpp"
 #include "profile/known_values.hpp"
+#include "support/temp_path.hpp"
 #include "tmcl/plan/profile.hpp"
 #include "unit/ctl_bench.hpp"
 
@@ -169,7 +170,7 @@ TEST_F(CtlSolve, FailuresAreJsonToo) {
 }
 
 TEST_F(CtlSolve, DrawsIntoAFile) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "ctl_solve.svg";
+  const std::filesystem::path path = tmcl::test::temp_path("ctl_solve.svg");
   EXPECT_EQ(run(solve("distance=20mm total_time=600ms thirds --svg " + path.string())),
             ExitCode::done);
   EXPECT_THAT(out, Not(HasSubstr("velocity [mm/s]")));

@@ -361,7 +361,7 @@ TEST(DaemonConfig, IsRefusedWhereOthersMayWriteIt) {
   EXPECT_TRUE(of_a_group) << of_a_group.error().front();
 }
 
-TEST(DaemonConfig, IsRefusedIfItBelongsToAnotherUser) {
+TEST(DaemonConfigAsRoot, IsRefusedIfItBelongsToAnotherUser) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   const auto path = tmcl::test::temp_path("config");
   std::ofstream(path) << "[daemon]\nsocket = \"s\"\n";
