@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/stage/motor_load.hpp"
 #include "support/random.hpp"
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
@@ -79,9 +80,13 @@ struct Load {
   ValueRange travel{};
   std::int32_t standby_current = 0;  ///< Enough.
 
-  /// The least of parameter 7 with which its scale leaves enough torque at rest.
+  /// The least of parameter 7 with which its scale leaves enough torque at rest. The torque of a
+  /// stage is in whole thousandths: of 62.5 there are 62, which do not hold 62.
   std::int32_t least_standby_current() const {
-    return 8 * (std::max(std::abs(stage.pull) - stage.load, 0) * 32 / 1000);
+    const auto asked = sim::torque_demanded_at_rest(stage);
+    std::int32_t scale = 0;
+    while (1000 * (scale + 1) / 32 <= asked) ++scale;
+    return 8 * scale;
   }
   std::string text() const {
     return "load " + std::to_string(stage.load) + ", friction " +
@@ -357,10 +362,17 @@ void tune_swinging_load_of(std::uint64_t seed, Tally& tally) {
 TEST(TuningProperty, FindsABowWithWhichALoadStandsSooner) {
   Tally tally;
   const auto first = test::seed();
-  const auto rounds = static_cast<std::uint64_t>(test::rounds(5));
-  for (auto seed = first; seed < first + rounds && !testing::Test::HasFatalFailure(); ++seed)
+  const auto rounds = test::rounds(5);
+  // 4 of 9 loads stand sooner with another bow. Of five, none may: then more are drawn.
+  constexpr auto most = 10;
+  const auto has_enough = [&] {
+    return tally.all >= rounds && tally.other_bows > 0 && tally.other_bows >= tally.all / 5;
+  };
+  for (auto seed = first; !has_enough() && tally.all < most * rounds; ++seed) {
     tune_swinging_load_of(seed, tally);
-  EXPECT_GE(tally.other_bows, tally.all / 5);
+    if (testing::Test::HasFatalFailure()) return;
+  }
+  EXPECT_TRUE(has_enough()) << tally.other_bows << " of " << tally.all;
 }
 
 // ---- By a limit switch -------------------------------------------------------------------------
