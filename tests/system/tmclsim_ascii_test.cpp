@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "support/program.hpp"
+#include "support/temp_path.hpp"
 #include "tmcl/datagram.hpp"
 
 namespace tmcl::test {
@@ -20,7 +20,7 @@ namespace {
 class TmclsimAscii : public testing::Test {
  protected:
   TmclsimAscii() {
-    path_ = std::filesystem::temp_directory_path() / ("tmclsim_ascii-" + std::to_string(getpid()));
+    path_ = temp_path("ascii");
     simulator_ = std::make_unique<Program>(
         std::vector<std::string>{"tmclsim", "--module", "TMCM-1110", "--pty", path_});
     EXPECT_TRUE(simulator_->wait_for("ready")) << simulator_->output();
