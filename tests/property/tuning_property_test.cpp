@@ -244,6 +244,13 @@ struct Tally {
   int other_bows = 0;
 };
 
+/// Less than there is room for, or than its chip does, is not far off: more is not tried.
+bool is_far(const TunedValue& found, double truth) {
+  const auto limit = found.limit / full_step;
+  const bool is_of_motor = found.limited_by == LimitedBy::motor;
+  return (limit < (1 - near) * truth && is_of_motor) || limit > (1 + near) * truth;
+}
+
 void tune_load_of(std::uint64_t seed, Tally& tally) {
   Loads random(seed);
   const auto load = random.any();
@@ -255,15 +262,10 @@ void tune_load_of(std::uint64_t seed, Tally& tally) {
   const auto speed = load.truth.greatest_speed();
   const auto velocity = found->velocity.limit / full_step;
   EXPECT_LT(velocity, load.truth.greatest_speed_unseen());
-  tally.far_velocities += velocity < (1 - near) * speed || velocity > (1 + near) * speed ? 1 : 0;
+  tally.far_velocities += std::abs(velocity / speed - 1) > near ? 1 : 0;
   const auto proposed = found->velocity.proposed / full_step;
   const auto greatest = load.truth.greatest_acceleration(proposed);
-  const auto acceleration = found->acceleration.limit / full_step;
-  // What its chip does not do is not tried.
-  const bool is_of_motor = found->acceleration.limited_by == LimitedBy::motor;
-  const bool is_far =
-      (acceleration < (1 - near) * greatest && is_of_motor) || acceleration > (1 + near) * greatest;
-  tally.far_accelerations += is_far ? 1 : 0;
+  tally.far_accelerations += is_far(found->acceleration, greatest) ? 1 : 0;
   const auto at = found->acceleration.proposed / full_step;
   EXPECT_LT(load.truth.short_of_torque(proposed, at), full_steps_unseen) << proposed << ' ' << at;
   // Both were sought with this, which a last trial may have found to be too much.
@@ -422,7 +424,7 @@ void tune_by_switch(std::uint64_t seed, Tally& tally) {
   const auto speed = load.truth.greatest_speed();
   const auto velocity = found->velocity.limit / full_step;
   EXPECT_LT(velocity, load.truth.greatest_speed_unseen());
-  tally.far_velocities += velocity < (1 - near) * speed || velocity > (1 + near) * speed ? 1 : 0;
+  tally.far_velocities += is_far(found->velocity, speed) ? 1 : 0;
   const auto proposed = found->velocity.proposed / full_step;
   const auto at = found->acceleration.proposed / full_step;
   EXPECT_LT(load.truth.short_of_torque(proposed, at), full_steps_unseen) << proposed << ' ' << at;
