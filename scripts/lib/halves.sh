@@ -1,8 +1,8 @@
 # Runs a program of tests as two processes, where one for each test takes longer than the tests; sourced by
 # scripts/test and .ci/run.
 
-# tests_in_halves PROGRAM ARGUMENT...: says last what failed. A test that was skipped has failed. One that takes five
-# minutes hangs: it is ended and named. All together may take as long as a busy computer needs.
+# tests_in_halves PROGRAM ARGUMENT...: prints the failed tests last; a skipped test counts as failed. A test that takes
+# five minutes is ended and named. All tests together have no time limit, so a busy computer fails none.
 tests_in_halves() {
   local log status=0
   log=$(mktemp)

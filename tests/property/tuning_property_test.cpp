@@ -57,11 +57,6 @@ struct Truth {
     const auto borne = std::min(greatest_speed(at), speed);
     return (speed * speed - borne * borne) / (2 * at);
   }
-  /// Up to which a ramp asks for too much torque for so short that nothing tells.
-  double greatest_speed_unseen() const {
-    const auto speed = greatest_speed();
-    return std::max(1.05 * speed, std::sqrt(speed * speed + 2 * acceleration * full_steps_unseen));
-  }
   /// The same of a ramp whose acceleration rises and falls by so much a second.
   double short_of_torque(double speed, double at, double jerk) const {
     constexpr int pieces = 10'000;
@@ -73,6 +68,11 @@ struct Truth {
       if (!bears(now, acceleration)) way += now * speed / pieces / acceleration;
     }
     return way;
+  }
+  /// A ramp to a greater speed is short of torque for so long that the tuner sees it.
+  double greatest_speed_unseen() const {
+    const auto speed = greatest_speed();
+    return std::max(1.05 * speed, std::sqrt(speed * speed + 2 * acceleration * full_steps_unseen));
   }
   double greatest_acceleration(double speed) const {
     return (torque.there(speed) - torque.asked(speed, 0)) * 1e6 / torque.inertia;
@@ -244,7 +244,7 @@ struct Tally {
   int other_bows = 0;
 };
 
-/// Less than there is room for, or than its chip does, is not far off: more is not tried.
+/// Where the travel or the chip is the limit, the motor may bear more: the tuner does not try that.
 bool is_far(const TunedValue& found, double truth) {
   const auto limit = found.limit / full_step;
   const bool is_of_motor = found.limited_by == LimitedBy::motor;
@@ -268,7 +268,7 @@ void tune_load_of(std::uint64_t seed, Tally& tally) {
   tally.far_accelerations += is_far(found->acceleration, greatest) ? 1 : 0;
   const auto at = found->acceleration.proposed / full_step;
   EXPECT_LT(load.truth.short_of_torque(proposed, at), full_steps_unseen) << proposed << ' ' << at;
-  // Both were sought with this, which a last trial may have found to be too much.
+  // The ramp of the search for current and threshold; the confirmation may have made it slower.
   const auto sought = std::ranges::find(found->trials, Sought::current, &TuneTrial::sought);
   ASSERT_NE(sought, found->trials.end());
   const auto sought_speed = sought->velocity.value / full_step;
@@ -290,7 +290,8 @@ void tune_load_of(std::uint64_t seed, Tally& tally) {
   tuned.expect_left_as_it_was();
 }
 
-/// As many loads as asked for, and more while they do not show `enough`: few may be unlike most.
+/// Tunes `usual` loads (or TMCL_ROUNDS), and up to ten times as many until `enough` holds: a few
+/// loads may be unlike most.
 template <class Enough>
 void tune_loads(void (*tune)(std::uint64_t, Tally&), int usual, Enough enough) {
   constexpr int most = 10;
@@ -389,7 +390,7 @@ void tune_swinging_load_of(std::uint64_t seed, Tally& tally) {
   tuned.expect_left_as_it_was();
 }
 
-// 4 of 9 loads do; of five, none may.
+// 4 of 9 loads stand sooner with another bow. Among five there may be none.
 TEST(TuningProperty, FindsABowWithWhichALoadStandsSooner) {
   tune_loads(tune_swinging_load_of, 5, [](const Tally& tally) {
     return tally.other_bows > 0 && tally.other_bows >= tally.all / 5;

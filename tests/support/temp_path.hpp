@@ -1,4 +1,4 @@
-/// A file of a test's own: tests run side by side, each in a process, with which its files go.
+/// Files of a test. Each program of tests has a folder for them, and removes it when it ends.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace tmcl::test {
 
-/// Others may look into it: some tests are other users.
+/// Other users may read it: some tests run a program as another user.
 class TempFolder {
  public:
   TempFolder() {
@@ -27,7 +27,7 @@ class TempFolder {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  const pid_t owner_ = ::getpid();  ///< A forked process leaves it.
+  const pid_t owner_ = ::getpid();  ///< A forked process does not remove it.
   const std::filesystem::path path_ =
       std::filesystem::path(testing::TempDir()) / ("tmcl_tests_" + std::to_string(owner_));
 };
