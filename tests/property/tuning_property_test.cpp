@@ -239,6 +239,7 @@ void expect_hold_current(const Load& load, const Tuning& found) {
 
 struct Tally {
   int all = 0;
+  int by_motor = 0;  ///< The motor, not the travel, limits their velocity.
   int far_velocities = 0;
   int far_accelerations = 0;
   int other_bows = 0;
@@ -304,7 +305,8 @@ void tune_loads(void (*tune)(std::uint64_t, Tally&), int usual, Enough enough) {
   }
   EXPECT_TRUE(enough(tally)) << "of " << tally.all << " loads: velocities that are far off "
                              << tally.far_velocities << ", accelerations "
-                             << tally.far_accelerations << ", other bows " << tally.other_bows;
+                             << tally.far_accelerations << ", other bows " << tally.other_bows
+                             << ", limited by the motor " << tally.by_motor;
 }
 
 /// One in 20 may be far off.
@@ -425,6 +427,7 @@ void tune_by_switch(std::uint64_t seed, Tally& tally) {
   const auto speed = load.truth.greatest_speed();
   const auto velocity = found->velocity.limit / full_step;
   EXPECT_LT(velocity, load.truth.greatest_speed_unseen());
+  tally.by_motor += found->velocity.limited_by == LimitedBy::motor ? 1 : 0;
   tally.far_velocities += is_far(found->velocity, speed) ? 1 : 0;
   const auto proposed = found->velocity.proposed / full_step;
   const auto at = found->acceleration.proposed / full_step;
@@ -434,8 +437,10 @@ void tune_by_switch(std::uint64_t seed, Tally& tally) {
   tuned.expect_left_as_it_was();
 }
 
+// The motor limits nine of ten: the others have no room for more.
 TEST(TuningProperty, FindsNearlyWhatTheLoadBearsByASwitch) {
-  tune_loads(tune_by_switch, 5, is_near);
+  tune_loads(tune_by_switch, 5,
+             [](const Tally& tally) { return is_near(tally) && 2 * tally.by_motor > tally.all; });
 }
 
 // On its way up it lost a part of a step, which it got back on its way down.
